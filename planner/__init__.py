@@ -1,0 +1,1 @@
+"""Everything that decides: from a command and what is sensed to the next step."""

@@ -1,0 +1,1 @@
+"""Everything that carries: the console, its clock, HTTP, WebSocket and the command line; no formula."""

@@ -1,0 +1,1 @@
+"""Everything that happens: ground, contact and the walking machine itself."""

@@ -1,0 +1,1 @@
+"""Everything that shows: the page and the scene."""
