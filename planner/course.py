@@ -1,0 +1,141 @@
+"""Distance s along the body's course: the one idea under both papers.
+
+H walks straight lines L_G at crab angle α, K any trace {ξ(s), η(s), β(s)}. What both ask of a course is the same: where is
+the body after s, where is a standing foot then *in body axes*, and over which s does that foot stay inside its leg's reach
+rectangle (K's existence segment; its right end is H's g_i, §5.2 (4)-(9)).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+Box = tuple[float, float, float, float]  # x_min, x_max, y_min, y_max in body axes
+EDGE = 1e-9  # m; a foot this far outside its rectangle counts as on the edge: rounding, not a fault
+FOREVER = math.inf
+
+
+class Twist(NamedTuple):
+    """A course of constant twist from the present pose, in present body axes: a line when ``turn`` is 0, else an arc.
+
+    Per metre of s the body moves (``ux``, ``uy``) and turns ``turn`` radians. With the yaw length scale ρ,
+    ds² = dξ² + dη² + (ρ dβ)², so ux² + uy² + (ρ turn)² = 1 and a turn on the spot has a length too.
+    """
+
+    ux: float
+    uy: float
+    turn: float = 0.0
+
+    def pose(self, s: float) -> tuple[float, float, float]:
+        """The body after s: dx, dy in present body axes and the change of yaw."""
+        if self.turn == 0.0:
+            return self.ux * s, self.uy * s, 0.0
+        angle = self.turn * s
+        sine, versine = math.sin(angle) / self.turn, (1.0 - math.cos(angle)) / self.turn
+        return self.ux * sine - self.uy * versine, self.ux * versine + self.uy * sine, angle
+
+    def seen(self, x: float, y: float, s: float) -> tuple[float, float]:
+        """A standing foot, now at (x, y) in body axes, as the body sees it after s."""
+        dx, dy, angle = self.pose(s)
+        x, y = x - dx, y - dy
+        if angle == 0.0:
+            return x, y
+        c, d = math.cos(angle), math.sin(angle)
+        return c * x + d * y, c * y - d * x
+
+    def exit(self, x: float, y: float, box: Box) -> float:
+        """How far the body may go before the foot at (x, y) leaves ``box``: H §5.2 (4)-(9) on a line; negative behind it."""
+        if self.turn != 0.0:
+            return self.segment(x, y, box)[1]
+        return line_exit(x, y, box, self.ux, self.uy)
+
+    def segment(self, x: float, y: float, box: Box) -> tuple[float, float]:
+        """K's existence segment [s1, s2] of a foothold at (x, y): the first connected one with s2 >= 0.
+
+        On an arc that never meets the box it is empty: (inf, -inf). On an arc that never leaves it, (-inf, inf).
+        """
+        if self.turn == 0.0:
+            return line_segment(x, y, box, self.ux, self.uy)
+        return _arc_segment(x, y, box, self)
+
+
+def twist_of(crab_angle: float, speed: float, turn_rate: float, yaw_length: float) -> tuple[Twist, float]:
+    """The course of a joystick command and its pace ds/dt in m/s (0 when nothing is commanded)."""
+    pace = math.hypot(speed, yaw_length * turn_rate)
+    if pace == 0.0:
+        return Twist(math.cos(crab_angle), math.sin(crab_angle)), 0.0
+    return Twist(speed * math.cos(crab_angle) / pace, speed * math.sin(crab_angle) / pace, turn_rate / pace), pace
+
+
+def line_exit(x: float, y: float, box: Box, ux: float, uy: float) -> float:
+    """Distance along (ux, uy) after which a standing foot leaves the rectangle's far side: g_i of H §5.2 (4)-(9)."""
+    g = FOREVER
+    if ux > 1e-12:
+        g = (x - box[0]) / ux
+    elif ux < -1e-12:
+        g = (x - box[1]) / ux
+    if uy > 1e-12:
+        g_y = (y - box[2]) / uy
+    elif uy < -1e-12:
+        g_y = (y - box[3]) / uy
+    else:
+        return g
+    return g if g < g_y else g_y
+
+
+def line_segment(x: float, y: float, box: Box, ux: float, uy: float) -> tuple[float, float]:
+    """The interval of s over which a standing foot is inside the rectangle on a straight course; (inf, -inf) if never."""
+    s1, s2 = -FOREVER, FOREVER
+    for position, direction, low, high in ((x, ux, box[0], box[1]), (y, uy, box[2], box[3])):
+        if abs(direction) < 1e-12:
+            if not low - EDGE <= position <= high + EDGE:
+                return FOREVER, -FOREVER
+            continue
+        a, b = (position - high) / direction, (position - low) / direction
+        if a > b:
+            a, b = b, a
+        s1, s2 = max(s1, a), min(s2, b)
+    return (s1, s2) if s1 <= s2 + EDGE else (FOREVER, -FOREVER)
+
+
+def _arc_segment(x: float, y: float, box: Box, twist: Twist) -> tuple[float, float]:
+    """Existence segment on an arc, closed form: in body axes the foot circles the turning centre."""
+    cx, cy = -twist.uy / twist.turn, twist.ux / twist.turn
+    radius, start = math.hypot(x - cx, y - cy), math.atan2(y - cy, x - cx)
+    crossings = sorted(
+        (start - angle) / twist.turn + turn * abs(2 * math.pi / twist.turn)
+        for angle in _edge_angles(cx, cy, radius, box)
+        for turn in (-2, -1, 0, 1, 2)
+    )
+    if not crossings:
+        inside = _inside(x, y, box)
+        return (-FOREVER, FOREVER) if inside else (FOREVER, -FOREVER)
+    for s1, s2 in zip(crossings, crossings[1:], strict=False):
+        if s2 < -EDGE or s2 - s1 < EDGE:
+            continue
+        if _inside(*twist.seen(x, y, (s1 + s2) / 2), box):
+            return s1, s2
+    return FOREVER, -FOREVER
+
+
+def _edge_angles(cx: float, cy: float, radius: float, box: Box) -> list[float]:
+    """Angles about the centre at which its circle meets the rectangle's four edge lines within the edges."""
+    angles = []
+    for edge, low, high, c_along, c_across, upright in (
+        (box[0], box[2], box[3], cy, cx, True),
+        (box[1], box[2], box[3], cy, cx, True),
+        (box[2], box[0], box[1], cx, cy, False),
+        (box[3], box[0], box[1], cx, cy, False),
+    ):
+        offset = edge - c_across
+        half = radius * radius - offset * offset
+        if half < 0.0:
+            continue
+        for along in (math.sqrt(half), -math.sqrt(half)):
+            if low - EDGE <= c_along + along <= high + EDGE:
+                angles.append(math.atan2(along, offset) if upright else math.atan2(offset, along))
+    return angles
+
+
+def _inside(x: float, y: float, box: Box) -> bool:
+    return box[0] - EDGE <= x <= box[1] + EDGE and box[2] - EDGE <= y <= box[3] + EDGE

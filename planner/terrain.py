@@ -1,0 +1,201 @@
+"""What the walker believes about the ground: heights and forbidden cells on a square grid.
+
+Row index is y, column index is x; ``origin`` is the corner of cell [0, 0]; the ground is the height of the cell that
+contains the point. NaN is a hole without a bottom. Outside the map everything is forbidden. A map is frozen: what the
+walker learns makes a new one (``forbid``).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .machine import Machine
+
+SLOPE_MAX = math.radians(35.0)  # steeper ground is H: see feet slide off (titan3 default)
+RELIEF_MAX = 0.03  # m under one foot; more is H: see feet land on edges
+RISE_MAX = 0.30  # m above the ground around; taller is P: see legs hit what they cannot step on
+RISE_WINDOW = 1.0  # m, side of the square that counts as "the ground around"
+
+
+@dataclass(frozen=True, eq=False)
+class TerrainMap:
+    """Believed ground. ``heights`` (ny, nx) metres, ``forbidden`` (ny, nx) bool, ``cell`` metres, ``origin`` x, y."""
+
+    heights: NDArray[np.float64]
+    forbidden: NDArray[np.bool_]
+    cell: float
+    origin: tuple[float, float]
+    foot_radius: float = 0.03
+
+    def __post_init__(self) -> None:
+        if self.heights.shape != self.forbidden.shape or self.heights.ndim != 2:
+            raise ValueError(f"heights and forbidden must be one (ny, nx) shape, got {self.heights.shape} and {self.forbidden.shape}")
+        for name in ("heights", "forbidden"):
+            array = np.ascontiguousarray(getattr(self, name))
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+
+    # scalar views for the planning loops: numpy scalars cost three times as much
+    @cached_property
+    def rows(self) -> int:
+        return int(self.heights.shape[0])
+
+    @cached_property
+    def columns(self) -> int:
+        return int(self.heights.shape[1])
+
+    @cached_property
+    def forbidden_bytes(self) -> bytes:
+        """One byte a cell, row by row: 1 where landing is prohibited."""
+        return self.forbidden.tobytes()
+
+    @cached_property
+    def height_view(self) -> memoryview:
+        """Heights row by row as plain floats."""
+        return self.heights.astype(np.float64, copy=False).ravel().data
+
+    @cached_property
+    def highest(self) -> float:
+        """Highest ground on the map, m; 0 when there is none."""
+        finite = self.heights[np.isfinite(self.heights)]
+        return float(finite.max()) if finite.size else 0.0
+
+    @cached_property
+    def is_level(self) -> bool:
+        """True when all ground there is has one height: nothing to clear, nothing to climb."""
+        finite = self.heights[np.isfinite(self.heights)]
+        return bool(finite.size == 0 or finite.max() == finite.min())
+
+    @cached_property
+    def _crests(self) -> NDArray[np.float64]:
+        """Highest ground within a foot radius of each cell; −inf over holes."""
+        solid = np.where(np.isnan(self.heights), -np.inf, self.heights)
+        return _spread_max(solid, math.ceil(self.foot_radius / self.cell))
+
+    @cached_property
+    def crest_view(self) -> memoryview:
+        """Highest ground within a foot radius of each cell, row by row; −inf over holes."""
+        return self._crests.ravel().data
+
+    def index(self, x: float, y: float) -> int:
+        """Flat index of the cell under (x, y), −1 outside the map."""
+        column, row = math.floor((x - self.origin[0]) / self.cell), math.floor((y - self.origin[1]) / self.cell)
+        if 0 <= column < self.columns and 0 <= row < self.rows:
+            return row * self.columns + column
+        return -1
+
+    def cell_at(self, x: float, y: float) -> tuple[int, int] | None:
+        """(row, column) of the cell under (x, y), None outside the map."""
+        flat = self.index(x, y)
+        return None if flat < 0 else divmod(flat, self.columns)
+
+    def centre(self, row: int, column: int) -> tuple[float, float]:
+        """x, y of a cell's centre."""
+        return self.origin[0] + (column + 0.5) * self.cell, self.origin[1] + (row + 0.5) * self.cell
+
+    def allows(self, x: float, y: float) -> bool:
+        """True when a foot may land at (x, y)."""
+        flat = self.index(x, y)
+        return flat >= 0 and not self.forbidden_bytes[flat]
+
+    def height_at(self, x: float, y: float) -> float:
+        """Believed ground height under (x, y), m; NaN over a hole and outside the map."""
+        flat = self.index(x, y)
+        return math.nan if flat < 0 else float(self.height_view[flat])
+
+    def crest_between(self, ax: float, ay: float, bx: float, by: float) -> float:
+        """Highest ground a foot passes on the straight way from a to b, m; −inf when there is none."""
+        steps = max(1, math.ceil(math.hypot(bx - ax, by - ay) / self.cell))
+        dx, dy = (bx - ax) / (steps * self.cell), (by - ay) / (steps * self.cell)
+        fx, fy = (ax - self.origin[0]) / self.cell, (ay - self.origin[1]) / self.cell
+        columns, rows, view, top = self.columns, self.rows, self.crest_view, -math.inf
+        for _ in range(steps + 1):
+            column, row = int(fx), int(fy)
+            if 0 <= column < columns and 0 <= row < rows:
+                height = view[row * columns + column]
+                if height > top:
+                    top = height
+            fx += dx
+            fy += dy
+        return top
+
+    def crest_in(self, x_min: float, x_max: float, y_min: float, y_max: float) -> float:
+        """Highest ground in an axis-aligned rectangle, m; −inf when there is none."""
+        c0, c1 = ((v - self.origin[0]) / self.cell for v in (x_min, x_max))
+        r0, r1 = ((v - self.origin[1]) / self.cell for v in (y_min, y_max))
+        patch = self.heights[max(0, math.floor(r0)) : max(0, math.floor(r1) + 1), max(0, math.floor(c0)) : max(0, math.floor(c1) + 1)]
+        solid = patch[~np.isnan(patch)]
+        return float(solid.max()) if solid.size else -math.inf
+
+    def forbid(self, cells: Iterable[tuple[int, int]]) -> TerrainMap:
+        """A new map in which no foot may land on these (row, column) cells."""
+        forbidden = self.forbidden.copy()
+        for row, column in cells:
+            if not (0 <= row < self.rows and 0 <= column < self.columns):
+                raise ValueError(f"cell ({row}, {column}) is outside the map of {self.rows} x {self.columns} cells")
+            forbidden[row, column] = True
+        return replace(self, forbidden=forbidden)
+
+
+def classify(heights: NDArray[np.float64], cell: float, machine: Machine) -> NDArray[np.bool_]:
+    """Where ``machine`` must not land, from heights alone: the step from G-type to HP-type terrain (H §2.3).
+
+    H: no ground, slope over 35 degrees, or more than 0.03 m of relief under the foot; P: over 0.30 m above the ground around.
+    """
+    holes = np.isnan(heights)
+    if holes.all():
+        return np.ones(heights.shape, dtype=bool)
+    solid = heights[~holes]
+    if solid.max() == solid.min():
+        return _spread_max(holes.astype(np.float64), _foot_cells(machine, cell)) > 0.0
+    reach = _foot_cells(machine, cell)
+    high = _spread_max(np.where(holes, -np.inf, heights), reach)
+    low = -_spread_max(np.where(holes, np.inf, -heights), reach)  # a hole under the foot's rim makes relief infinite
+    rough = ~(high - low <= RELIEF_MAX)
+    filled = np.where(holes, np.nanmean(heights), heights)
+    slope_y, slope_x = (np.gradient(filled, cell, axis=axis) if filled.shape[axis] > 1 else np.zeros_like(filled) for axis in (0, 1))
+    steep = np.hypot(slope_x, slope_y) > math.tan(SLOPE_MAX)
+    tall = filled - _mean_around(heights, max(1, round(RISE_WINDOW / cell / 2))) > RISE_MAX
+    return np.asarray(holes | rough | steep | tall, dtype=bool)
+
+
+def _foot_cells(machine: Machine, cell: float) -> int:
+    """How many whole cells the sole's rim reaches beyond the cell under its tip."""
+    return math.floor(machine.foot_radius / cell + 1e-9)
+
+
+def _spread_max(values: NDArray[np.float64], reach: int) -> NDArray[np.float64]:
+    """Largest value within ``reach`` cells in rows and columns."""
+    out = values.copy()
+    for axis in (0, 1):
+        source = out.copy()
+        for shift in range(1, reach + 1):
+            ahead: Any = [slice(None), slice(None)]
+            behind: Any = [slice(None), slice(None)]
+            ahead[axis], behind[axis] = slice(shift, None), slice(None, -shift)
+            ahead, behind = tuple(ahead), tuple(behind)
+            np.maximum(out[behind], source[ahead], out=out[behind])
+            np.maximum(out[ahead], source[behind], out=out[ahead])
+    return out
+
+
+def _mean_around(heights: NDArray[np.float64], reach: int) -> NDArray[np.float64]:
+    """Mean of the ground that exists in the square of ``reach`` cells around each cell."""
+    exists = ~np.isnan(heights)
+    total = _box_sum(np.where(exists, heights, 0.0), reach)
+    count = _box_sum(exists.astype(np.float64), reach)
+    return np.asarray(total / np.maximum(count, 1.0))
+
+
+def _box_sum(values: NDArray[np.float64], reach: int) -> NDArray[np.float64]:
+    padded = np.pad(values, ((reach + 1, reach), (reach + 1, reach)))
+    summed = padded.cumsum(axis=0).cumsum(axis=1)
+    side = 2 * reach + 1
+    return np.asarray(summed[side:, side:] - summed[:-side, side:] - summed[side:, :-side] + summed[:-side, :-side])

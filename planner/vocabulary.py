@@ -1,0 +1,143 @@
+"""The words every room shares: what is commanded, where the machine stands, what it senses, what it plans.
+
+All are frozen. Legs are numbered from 0 in code and from 1 in files and on screens, counter-clockwise from front-left
+(quadruped: 0 FL, 1 RL, 2 RR, 3 FR, the papers' 1-4). Angles in radians, lengths in metres, times in seconds. A trailing
+``_b`` marks the body frame (x forward, y left, z up, origin at the centre of gravity); everything else is absolute.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Point = tuple[float, float, float]
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """What Level A asks for: a course relative to the torso and a speed along it.
+
+    ``crab_angle`` α is the direction of travel in body axes, positive to the left; ``speed`` is never negative: to walk
+    backwards, turn the crab angle. ``turn_rate`` is the yaw rate of the torso, positive to the left. Speed 0 with turn
+    rate 0 means hold.
+    """
+
+    crab_angle: float = 0.0  # rad
+    speed: float = 0.0  # m/s
+    turn_rate: float = 0.0  # rad/s
+
+    @property
+    def holds(self) -> bool:
+        """True when nothing is to move."""
+        return self.speed == 0.0 and self.turn_rate == 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Gait:
+    """Gait settings a scenario may override: β, the lift of H §4.5, the height H, and the speed profile."""
+
+    duty_factor: float  # β
+    lift_up: float  # h_up, m
+    lift_down: float  # h_dwn, m
+    height: float  # H, m
+    smooth: bool = True  # eased swing phases (H §11 (3)); False: constant velocity between knots, as printed
+
+    @property
+    def peak(self) -> float:
+        """κ, peak over mean speed of a swing phase: limits are divided by it so that no foot exceeds them."""
+        return 1.25 if self.smooth else 1.0
+
+
+class Phase(IntEnum):
+    """What the swing legs do on one stretch of a plan: H table 3, and the four-leg shift that has no swing leg."""
+
+    SUPPORT = 0
+    UP = 1
+    RETURN = 2
+    DOWN = 3
+    SHIFT = 4
+
+
+class Mode(IntEnum):
+    """What the walker is doing: one number in the log, one word on the screen."""
+
+    STAND = 0
+    SUPPORT = 1
+    UP = 2
+    RETURN = 3
+    DOWN = 4
+    SHIFT = 5
+    SETTLE = 6  # stopped in mid-step: the swing foot is set down by its own clock
+    BLOCKED = 7
+    EMERGENT = 8
+    TIPPING = 9
+    FALLEN = 10
+
+
+@dataclass(frozen=True, slots=True)
+class Stance:
+    """The machine at a step-switching point N_k, and all a planner may remember (H §4.1, §5).
+
+    ``feet`` are foot tips, in leg order. ``last_swing`` is u of the step before, −1 when none. ``quarter_turns`` is n of
+    H table 1, kept for the hysteresis at α_c, −1 when none yet. ``lifted`` are legs that stay in the air across the
+    switch (K only). ``course`` is the distance already walked on the trace.
+    """
+
+    body: tuple[float, float, float, float]  # x, y, z, yaw
+    feet: tuple[Point, ...]
+    last_swing: int = -1
+    quarter_turns: int = -1
+    lifted: tuple[int, ...] = ()
+    course: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StepPlan:
+    """One step as straight lines between knots in the absolute frame, from N_k to N_{k+1}.
+
+    In the absolute frame a supporting foot does not move and a rising foot rises vertically (H §4.5). The swing foot's last
+    knot is what it *aims* at: h_up below the expected ground, so that touch decides (H §4.5); ``end`` holds the
+    stance expected at N_{k+1}, with the foot on the ground at its landing point J_u.
+    """
+
+    swing: tuple[int, ...]  # legs in the air: u [H], i1..ik [K]; () is a four-leg shift
+    times: Array  # (m,), s from the step-switching point, times[0] = 0
+    body: Array  # (m, 4): x, y, z, yaw
+    feet: Array  # (m, n_legs, 3)
+    phases: tuple[Phase, ...]  # (m-1,), one per stretch between knots
+    end: Stance
+    crab_angle: float = 0.0  # rad, of the course in body axes
+    support_shift: float = 0.0  # g0, m: travelled while u still stands
+    shift: float = 0.0  # g, m: travelled in the whole step
+    standard_margin: float = 0.0  # s0, m
+    margin_min: float = 0.0  # least planned longitudinal margin of the step, m
+    speed: float = 0.0  # v_G the plan was timed for, m/s
+    speed_max: float = 0.0  # v_max of this step, H §7 (28) without the command, m/s
+    search_start: Point | None = None  # I_u
+    landing: Point | None = None  # J_u of the first swing leg
+    decision: dict[str, Any] | None = None  # why: filled only when asked
+
+
+@dataclass(frozen=True, slots=True)
+class Blocked:
+    """The planner's answer when there is no step: which constraint failed, for which leg, and the cells it refused."""
+
+    reason: str
+    leg: int | None = None
+    decision: dict[str, Any] | None = None
+
+
+class Sensing(NamedTuple):
+    """What the plant tells Level C once a tick: position monitors, soles, whiskers, posture (H §8 (1))."""
+
+    tick: int
+    body: tuple[float, float, float, float, float, float]  # dead-reckoned x, y, z, roll, pitch, yaw
+    feet_b: tuple[Point, ...]  # position monitors, body frame
+    soles: tuple[bool, ...]
+    whiskers: tuple[int, ...]  # per leg, one bit per direction of eight (bit 0 = body +x, counter-clockwise), 0 = free
+    slipping: tuple[bool, ...]
