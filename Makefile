@@ -1,0 +1,51 @@
+# Needs only make and Python 3.11 or newer (with venv). Everything is installed into .venv; nothing outside this folder is touched.
+
+PYTHON ?= python3
+VENV := .venv
+PY := $(VENV)/bin/python
+PIP := $(PY) -m pip --disable-pip-version-check install --quiet
+
+ARGS ?=# more options for walking-console, e.g. make run ARGS="--port 9000"
+PYTEST_ARGS ?=# more options for pytest, e.g. make test PYTEST_ARGS="-k layers"
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.PHONY: help run test bench clean
+
+help:
+	@echo 'make run     start the console and open its page   (ARGS="--port 9000 --scenario river")'
+	@echo 'make test    check style and types, then run all tests   (PYTEST_ARGS="-k layers")'
+	@echo 'make bench   measure planner, tick and headless speed on this machine'
+	@echo 'make clean   remove the environment and what builds and checks left behind'
+
+run: $(VENV)/.installed
+	$(VENV)/bin/walking-console serve $(ARGS)
+
+bench: $(VENV)/.installed
+	$(VENV)/bin/walking-console bench $(ARGS)
+
+test: $(VENV)/.installed-for-tests
+	$(PY) -m ruff check .
+	$(PY) -m mypy
+	$(PY) -m pytest $(PYTEST_ARGS)
+
+clean:
+	rm -rf $(VENV) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	find planner sim server web tests -name __pycache__ -type d -prune -exec rm -rf {} +
+
+# The two stamps are older than pyproject.toml or constraints.txt exactly when the environment has to be brought up to date.
+$(VENV)/.installed: pyproject.toml constraints.txt | $(PY)
+	@echo "Installing walking-console into $(VENV) ..."
+	@$(PIP) -c constraints.txt -e .
+	@touch $@
+
+$(VENV)/.installed-for-tests: pyproject.toml constraints.txt | $(PY)
+	@echo "Installing walking-console and its test tools into $(VENV) ..."
+	@$(PIP) -c constraints.txt -e '.[test]'
+	@touch $@ $(VENV)/.installed
+
+$(PY):
+	@command -v $(PYTHON) > /dev/null || { echo "No $(PYTHON) here: install Python 3.11 or newer, or name yours: make run PYTHON=/path/to/python3"; exit 1; }
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "$(PYTHON) is $$($(PYTHON) -V 2>&1): Python 3.11 or newer is needed; name another with make run PYTHON=python3.12"; exit 1; }
+	@$(PYTHON) -c 'import ensurepip, venv' 2> /dev/null || { echo "$(PYTHON) has no venv module: install it (Debian and Ubuntu: apt install python3-venv) and try again"; exit 1; }
+	$(PYTHON) -m venv $(VENV)
