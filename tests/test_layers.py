@@ -241,7 +241,8 @@ def test_inside_a_package_one_dot_is_the_package_itself() -> None:
 def loaded_after_importing(modules: list[str]) -> set[str]:
     """What a fresh interpreter holds after importing these: catches what no reading of the source can."""
     program = f"import importlib, sys\nfor name in {modules!r}: importlib.import_module(name)\nprint(*sys.modules)"
-    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True, timeout=60)
+    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stderr
     return {name.partition(".")[0] for name in done.stdout.split()}
 
 
