@@ -1,0 +1,68 @@
+"""Robots are data, and impossible ones are refused with every reason."""
+
+import math
+
+import pytest
+
+from planner.machine import MachineError, as_data, load_machine, machine_from, machine_names
+
+
+@pytest.mark.parametrize("name", machine_names())
+def test_every_shipped_robot_loads_and_says_where_its_numbers_come_from(name):
+    machine = load_machine(name)
+    assert machine.name == name
+    assert len(machine.source) > 20
+
+
+@pytest.mark.parametrize("name", machine_names())
+def test_a_robot_written_as_data_is_the_same_robot(name):
+    machine = load_machine(name)
+    assert machine_from(as_data(machine)) == machine
+
+
+def test_titan3_has_the_reach_of_the_specification():
+    reach = load_machine("titan3").reach
+    assert (reach.x0, reach.x_span, reach.y0, reach.y_span, reach.z0, reach.z_span) == (0.20, 0.50, 0.30, 0.35, 0.60, 0.50)
+
+
+def test_an_unknown_robot_is_answered_with_the_known_ones():
+    with pytest.raises(MachineError, match="unknown robot 'titan4'; there are: .*titan3"):
+        load_machine("titan4")
+
+
+def test_the_crab_planner_says_it_needs_four_legs():
+    with pytest.raises(MachineError, match="four-legged.*6 legs"):
+        _ = load_machine("hexapod").reach
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        ({"mass": -1.0}, "mass must be positive"),
+        ({"mass": math.nan}, "mass must be a finite number"),
+        ({"mass": True}, "mass must be a finite number"),
+        ({"wings": 2}, "unknown key 'wings'; there are: name"),
+        ({"height": 3.0}, "outside the legs' common z range"),
+        ({"duty_factor": 1.0}, "duty_factor must be in"),
+        ({"legs": []}, "legs must be 4 to 8 tables, got 0"),
+        ({"torso": [1.0]}, "torso must be a list of 3 numbers"),
+        ({"speed": [1.0, 0.0, 1.0]}, "speed must be positive"),
+        ({"lift_down": 0.01}, "lift_down must be at least lift_up"),
+    ],
+)
+def test_an_impossible_robot_is_refused_with_its_reason(change, reason):
+    with pytest.raises(MachineError, match=reason):
+        machine_from({**as_data(load_machine("titan3")), **change})
+
+
+def test_a_refusal_lists_every_reason():
+    with pytest.raises(MachineError, match="mass.*friction"):
+        machine_from({**as_data(load_machine("titan3")), "mass": 0.0, "friction": -1.0})
+
+
+def test_legs_on_one_side_only_are_no_stance():
+    data = as_data(load_machine("titan3"))
+    for leg in data["legs"]:
+        leg["y"] = [0.3, 0.65]
+    with pytest.raises(MachineError, match="counter-clockwise|no statically stable stance"):
+        machine_from(data)

@@ -1,0 +1,86 @@
+"""What the walker believes about the ground."""
+
+import math
+
+import numpy as np
+import pytest
+
+from planner.machine import load_machine
+from planner.terrain import TerrainMap, classify
+
+MACHINE = load_machine("titan3")
+
+
+def level(rows=40, columns=60, cell=0.05, origin=(-1.0, -0.5)):
+    return TerrainMap(np.zeros((rows, columns)), np.zeros((rows, columns), dtype=bool), cell, origin)
+
+
+def test_rows_are_y_and_columns_are_x():
+    ground = level()
+    assert ground.cell_at(-1.0 + 0.12, -0.5 + 0.01) == (0, 2)
+    assert ground.centre(0, 2) == pytest.approx((-1.0 + 0.125, -0.5 + 0.025))
+
+
+def test_outside_the_map_everything_is_forbidden_and_has_no_height():
+    ground = level()
+    assert not ground.allows(-1.001, 0.0)
+    assert math.isnan(ground.height_at(50.0, 0.0))
+
+
+def test_forbidding_makes_a_new_map_and_leaves_the_old_one():
+    ground = level()
+    other = ground.forbid([(3, 4)])
+    x, y = ground.centre(3, 4)
+    assert ground.allows(x, y) and not other.allows(x, y)
+    assert other.forbidden.sum() == 1
+
+
+def test_a_map_cannot_be_written_to():
+    with pytest.raises(ValueError, match="read-only"):
+        level().heights[0, 0] = 1.0
+
+
+def test_the_way_over_a_wall_has_the_height_of_the_wall():
+    heights = np.zeros((40, 60))
+    heights[:, 30] = 0.2
+    ground = TerrainMap(heights, heights > 1.0, 0.05, (-1.0, -0.5))
+    assert ground.crest_between(0.0, 0.0, 1.0, 0.1) == pytest.approx(0.2)
+    assert ground.crest_between(0.0, 0.0, 0.3, 0.1) == pytest.approx(0.0)
+    assert ground.crest_in(0.0, 1.0, -0.1, 0.1) == pytest.approx(0.2)
+
+
+def test_level_ground_is_walkable_and_a_hole_is_not_nor_its_rim_within_the_sole():
+    heights = np.zeros((40, 40))
+    heights[20, 20] = np.nan
+    forbidden = classify(heights, 0.025, MACHINE)
+    assert forbidden[20, 20] and forbidden[19, 20] and forbidden[20, 21]  # sole radius 0.03 m reaches one cell on
+    assert not forbidden[18, 20] and not forbidden[0, 0]
+
+
+@pytest.mark.parametrize(("degrees", "walkable"), [(0, True), (15, True), (25, True), (37, False), (60, False)])
+def test_slopes_over_35_degrees_are_holes(degrees, walkable):
+    x = (np.arange(80) + 0.5) * 0.025
+    heights = np.tile(x * math.tan(math.radians(degrees)), (80, 1))
+    assert bool(classify(heights, 0.025, MACHINE)[40, 40]) is not walkable
+
+
+def test_the_edge_of_a_step_is_forbidden_and_its_top_is_not():
+    heights = np.zeros((80, 80))
+    heights[:, 40:] = 0.15
+    forbidden = classify(heights, 0.025, MACHINE)
+    assert forbidden[40, 39] and forbidden[40, 40]
+    assert not forbidden[40, 37] and not forbidden[40, 42]
+
+
+def test_a_pole_too_tall_to_step_on_is_forbidden():
+    heights = np.zeros((80, 80))
+    heights[36:44, 36:44] = 0.8
+    forbidden = classify(heights, 0.025, MACHINE)
+    assert forbidden[40, 40]
+    assert not forbidden[10, 10]
+
+
+def test_a_long_plain_slope_is_not_mistaken_for_a_tall_rise():
+    x = (np.arange(400) + 0.5) * 0.025
+    heights = np.tile(x * math.tan(math.radians(20)), (100, 1))
+    assert not classify(heights, 0.025, MACHINE)[50, 100:300].any()
