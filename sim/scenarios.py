@@ -1,0 +1,456 @@
+"""Scenarios: named worlds and scripts as data, and the ``--set`` that changes them.
+
+A scenario is a TOML file. Its shape is the models below: strict numbers (a boolean is no number, an integer serves as a
+float, nan and infinities are refused), no unknown keys. Every refusal is a ``ScenarioError`` of one clear line.
+"""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Iterable, Mapping, Sequence
+from importlib import resources
+from itertools import pairwise
+from pathlib import Path
+from typing import Annotated, Any, Literal, get_args
+
+from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationError, model_validator
+
+from planner.machine import Machine
+from planner.vocabulary import Command
+from planner.vocabulary import Gait as MachineGait
+
+from .terrains import KINDS, SEED_MAX, AnyTerrain, Box, Degrees, FileTerrain, Flat, Place
+
+DEFAULT_MODE: Literal["paper", "predictive"] = "paper"  # until predictive exists
+TIME_LIMIT = 600.0  # s, when [end] names no time
+DURATION_MAX = 3600.0  # s
+CRAB_DUTY_MIN = 0.75  # below it the standard margin is negative (H §4.3 (3))
+FILE_BYTES_MAX = 1_000_000
+FAULTS_SHOWN = 4
+FIXED_SETTINGS = ("drive", "trace")  # either replaces the other
+
+
+class ScenarioError(ValueError):
+    """A scenario that cannot be used; the message is one clear line."""
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+class GaitChange(_Table):
+    """Overrides of the machine's gait defaults."""
+
+    duty_factor: float | None = Field(default=None, ge=0.5, le=0.95)
+    lift_up: float | None = Field(default=None, gt=0.0, le=1.0)  # m, h_up
+    lift_down: float | None = Field(default=None, gt=0.0, le=2.0)  # m, h_dwn
+    height: float | None = Field(default=None, gt=0.0, le=5.0)  # m, H
+    smooth: bool = True  # eased swing phases; false: constant velocity between knots
+
+
+class Start(_Table):
+    """Where the body stands at first."""
+
+    x: Place = 0.0  # m
+    y: Place = 0.0  # m
+    yaw_deg: Degrees = 0.0
+
+
+class Drive(_Table):
+    """One entry of the timeline; it holds until the next."""
+
+    t: float = Field(default=0.0, ge=0.0, le=DURATION_MAX)  # s
+    crab_angle_deg: Degrees = 0.0
+    speed: float = Field(default=0.0, ge=0.0, le=10.0)  # m/s
+    turn_rate_deg_s: float = Field(default=0.0, ge=-360.0, le=360.0)
+
+    def command(self) -> Command:
+        """The same in radians."""
+        return Command(math.radians(self.crab_angle_deg), self.speed, math.radians(self.turn_rate_deg_s))
+
+
+class _Trace(_Table):
+    yaw: Literal["tangent", "fixed"] = "tangent"
+    speed: float = Field(default=0.1, gt=0.0, le=10.0)  # m/s along the trace
+
+    def reach(self) -> float:
+        """Metres the trace leads away from the start, at most."""
+        raise NotImplementedError
+
+
+class Waypoints(_Trace):
+    """Through given poses."""
+
+    kind: Literal["waypoints"]
+    waypoints: list[Annotated[list[Place], Field(min_length=3, max_length=3)]] = Field(min_length=2, max_length=1000)  # x m, y m, yaw deg
+
+    def reach(self) -> float:
+        x, y = self.waypoints[0][:2]
+        return max(math.hypot(point[0] - x, point[1] - y) for point in self.waypoints)
+
+
+class Line(_Trace):
+    """Straight on, or sideways."""
+
+    kind: Literal["line"]
+    distance: float = Field(default=8.0, gt=0.0, le=1000.0)  # m
+    angle_deg: Degrees = 0.0
+
+    def reach(self) -> float:
+        return self.distance
+
+
+class Circle(_Trace):
+    """Round a circle, to the left when ``turn_deg`` is positive."""
+
+    kind: Literal["circle"]
+    radius: float = Field(default=2.0, gt=0.0, le=100.0)  # m
+    turn_deg: float = Field(default=360.0, ge=-3600.0, le=3600.0)
+
+    def reach(self) -> float:
+        return 2 * self.radius
+
+
+class Sine(_Trace):
+    """y = amplitude * sin(x / length)."""
+
+    kind: Literal["sine"]
+    amplitude: float = Field(default=0.6, ge=0.0, le=100.0)  # m
+    length: float = Field(default=1.0, gt=0.0, le=100.0)  # m
+    distance: float = Field(default=8.0, gt=0.0, le=1000.0)  # m along x
+
+    def reach(self) -> float:
+        return self.distance + self.amplitude
+
+
+class Spiral(_Trace):
+    """A circle whose radius grows or shrinks evenly with the angle."""
+
+    kind: Literal["spiral"]
+    radius: float = Field(default=1.0, gt=0.0, le=100.0)  # m, at the start
+    radius_end: float = Field(default=3.0, gt=0.0, le=100.0)  # m
+    turn_deg: float = Field(default=720.0, ge=-3600.0, le=3600.0)
+
+    def reach(self) -> float:
+        return 2 * max(self.radius, self.radius_end)
+
+
+class Turn(_Trace):
+    """On the spot."""
+
+    kind: Literal["turn"]
+    turn_deg: float = Field(default=360.0, ge=-3600.0, le=3600.0)
+
+    def reach(self) -> float:
+        return 0.0
+
+
+Trace = Annotated[Waypoints | Line | Circle | Sine | Spiral | Turn, Field(discriminator="kind")]
+TRACES: dict[str, type[_Trace]] = {
+    "waypoints": Waypoints,
+    "line": Line,
+    "circle": Circle,
+    "sine": Sine,
+    "spiral": Spiral,
+    "turn": Turn,
+}
+
+
+class End(_Table):
+    """Whichever limit is reached first ends the run."""
+
+    time: float | None = Field(default=None, gt=0.0, le=DURATION_MAX)  # s
+    distance: float | None = Field(default=None, gt=0.0, le=1000.0)  # m along the course
+
+
+class Expect(_Table):
+    """Each key given becomes pass or fail in the result."""
+
+    distance_min: float | None = None  # m
+    margin_min: float | None = None  # m
+    forbidden_steps_max: int | None = Field(default=None, ge=0)
+    emergent_max: int | None = Field(default=None, ge=0)
+    falls_max: int | None = Field(default=None, ge=0)
+    time_max: float | None = None  # s
+
+
+class Noise(_Table):
+    """Standard deviations of the sensors."""
+
+    position: float = Field(default=0.0, ge=0.0, le=0.1)  # m, position monitors of the feet
+    posture_deg: float = Field(default=0.0, ge=0.0, le=10.0)  # pitch and roll
+
+
+class Scenario(_Table):
+    """One world and what is to happen in it."""
+
+    name: str = Field(default="", max_length=200)  # the file's, when not given
+    title: str = Field(default="", max_length=500)
+    robot: str = Field(default="titan3", min_length=1, max_length=500)
+    planner: Literal["crab", "trace"] = "crab"
+    mode: Literal["paper", "predictive"] = DEFAULT_MODE
+    sensing: Literal["known", "eye", "none"] = "known"
+    unknown: Literal["flat", "forbidden"] = "flat"
+    seed: int = Field(default=1, ge=0, le=SEED_MAX)
+    gait: GaitChange = GaitChange()
+    terrain: AnyTerrain = Flat(kind="flat")
+    start: Start = Start()
+    drive: list[Drive] = Field(default=[], max_length=1000)
+    trace: Trace | None = None
+    end: End = End()
+    expect: Expect = Expect()
+    noise: Noise = Noise()
+    _base: Path | None = PrivateAttr(None)
+
+    @model_validator(mode="after")
+    def _is_one_story(self) -> Scenario:
+        for index, (one, two) in enumerate(pairwise(self.drive)):
+            if not one.t < two.t:
+                raise ValueError(f"drive.{index + 1}.t must be later than drive.{index}.t = {one.t:g}, got {two.t:g}")
+        if self.trace is not None and self.drive:
+            raise ValueError("give either [[drive]] or [trace], not both")
+        if self.trace is not None and self.planner != "trace":
+            raise ValueError('[trace] needs planner = "trace"; the crab planner takes [[drive]]')
+        if self.planner == "crab" and (self.gait.duty_factor or 1.0) < CRAB_DUTY_MIN:
+            raise ValueError(f"gait.duty_factor of the crab gait must be at least {CRAB_DUTY_MIN:g}, got {self.gait.duty_factor:g}")
+        return self
+
+    @property
+    def base(self) -> Path | None:
+        """The folder relative paths start from; None when the scenario came without a file and may not name any."""
+        return self._base
+
+    @property
+    def time_limit(self) -> float:
+        """Simulated seconds after which the run ends in any case."""
+        return TIME_LIMIT if self.end.time is None else self.end.time
+
+    @property
+    def start_pose(self) -> tuple[float, float, float]:
+        """x, y, yaw in metres and radians."""
+        return self.start.x, self.start.y, math.radians(self.start.yaw_deg)
+
+    def gait_for(self, machine: Machine) -> MachineGait:
+        """The machine's gait with this scenario's overrides. Raises ``ScenarioError``."""
+        change = self.gait
+        gait = MachineGait(
+            machine.duty_factor if change.duty_factor is None else change.duty_factor,
+            machine.lift_up if change.lift_up is None else change.lift_up,
+            machine.lift_down if change.lift_down is None else change.lift_down,
+            machine.height if change.height is None else change.height,
+            change.smooth,
+        )
+        low, high = machine.z_range
+        if not low <= -gait.height <= high:
+            raise ScenarioError(f"gait.height must be within the legs' reach [{-high:g}, {-low:g}] m, got {gait.height:g}")
+        if gait.lift_down < gait.lift_up:
+            raise ScenarioError(f"gait.lift_down must be at least lift_up = {gait.lift_up:g} m, got {gait.lift_down:g}")
+        return gait
+
+    def bounds(self, machine: Machine) -> Box:
+        """A box no course of this scenario leaves, however slowly it is walked: x_min, x_max, y_min, y_max."""
+        x, y, yaw = self.start_pose
+        if self.trace is not None:
+            return _around(x, y, self.trace.reach())
+        return _driven(self.drive, x, y, yaw, self.time_limit, self.end.distance or math.inf, self._fastest(machine))
+
+    def _fastest(self, machine: Machine) -> float:
+        """m/s no gait of this machine exceeds: a leg must return in (1-β)T what the body walked in βT, three stand at any time."""
+        duty = self.gait_for(machine).duty_factor if self.planner == "crab" else 3.0 / len(machine.legs)
+        return max(machine.speed[:2]) * (1.0 - duty) / duty
+
+    def as_data(self) -> dict[str, Any]:
+        """Plain data, every default written out; ``scenario_from`` makes an equal scenario of it."""
+        return self.model_dump(exclude_none=True)
+
+
+def _around(x: float, y: float, reach: float) -> Box:
+    return x - reach, x + reach, y - reach, y + reach
+
+
+def _driven(drive: Sequence[Drive], x: float, y: float, yaw: float, time: float, distance: float, fastest: float) -> Box:
+    """Bounds of a timeline: every entry may be walked in full or not at all, so forward and back do not cancel.
+
+    Once the body has turned its heading is anybody's guess, and an entry may lead anywhere.
+    """
+    ends = [entry.t for entry in drive[1:]] + [time]
+    low, high, turned = [0.0, 0.0], [0.0, 0.0], False
+    for entry, end in zip(drive, ends, strict=False):
+        length = min(max(0.0, min(end, time) - entry.t) * min(entry.speed, fastest), distance)
+        turned = turned or entry.turn_rate_deg_s != 0.0
+        if entry.turn_rate_deg_s != 0.0:
+            length = min(length, 2 * entry.speed / math.radians(abs(entry.turn_rate_deg_s)))
+        heading = yaw + math.radians(entry.crab_angle_deg)
+        for axis, part in enumerate((math.cos(heading) * length, math.sin(heading) * length)):
+            low[axis] += length if turned else max(0.0, -part)
+            high[axis] += length if turned else max(0.0, part)
+    low, high = [min(v, distance) for v in low], [min(v, distance) for v in high]
+    return x - low[0], x + high[0], y - low[1], y + high[1]
+
+
+def scenario_names() -> tuple[str, ...]:
+    """Names of the shipped scenarios, sorted."""
+    folder = resources.files("sim") / "scenarios"
+    return tuple(sorted(entry.name.removesuffix(".toml") for entry in folder.iterdir() if entry.name.endswith(".toml")))
+
+
+def list_scenarios() -> tuple[tuple[str, str], ...]:
+    """Every shipped scenario with its title."""
+    return tuple((name, str(_parse(_shipped(name), name).get("title", ""))) for name in scenario_names())
+
+
+def load_scenario(name_or_path: str, settings: Sequence[str] = (), seed: int | None = None) -> Scenario:
+    """A shipped scenario by name or a scenario file by path, changed by ``--set`` settings. Raises ``ScenarioError``."""
+    if name_or_path in scenario_names():
+        text, base, name = _shipped(name_or_path), Path(), name_or_path
+    else:
+        path = Path(name_or_path)
+        text, base, name = _read(path, name_or_path), path.parent, path.stem
+    data = with_settings(_parse(text, name_or_path), settings)
+    if seed is not None:
+        data["seed"] = seed
+    return scenario_from({"name": name, **data}, base)
+
+
+def scenario_from(data: Mapping[str, Any], base: Path | None = None) -> Scenario:
+    """Build and check a scenario from plain data. Without ``base`` it may not name files. Raises ``ScenarioError``."""
+    plain = dict(data)
+    terrain = plain.get("terrain")
+    if isinstance(terrain, Mapping) and "file" in terrain and "kind" not in terrain:
+        plain["terrain"] = {"kind": "file", **terrain}
+    try:
+        scenario = Scenario.model_validate(plain)
+    except ValidationError as error:
+        raise ScenarioError(_faults(error)) from None
+    return _with_files(scenario, base)
+
+
+def _with_files(scenario: Scenario, base: Path | None) -> Scenario:
+    """Paths made absolute, so that a dump is complete."""
+    named = isinstance(scenario.terrain, FileTerrain) or scenario.robot.endswith(".toml")
+    if base is None and named:
+        raise ScenarioError("a scenario that is not a file itself cannot name files (terrain.file, robot)")
+    if base is not None and named:
+        change: dict[str, Any] = {}
+        if isinstance(scenario.terrain, FileTerrain):
+            change["terrain"] = scenario.terrain.model_copy(update={"file": str((base / scenario.terrain.file).absolute())})
+        if scenario.robot.endswith(".toml"):
+            change["robot"] = str((base / scenario.robot).absolute())
+        scenario = scenario.model_copy(update=change)
+    scenario._base = base
+    return scenario
+
+
+def _shipped(name: str) -> str:
+    return (resources.files("sim") / "scenarios" / f"{name}.toml").read_text("utf-8")
+
+
+def _read(path: Path, given: str) -> str:
+    if not given.endswith(".toml") or not path.is_file():
+        raise ScenarioError(f"unknown scenario {given!r}; there are: {', '.join(scenario_names())}, or a path to a scenario TOML file")
+    try:
+        if path.stat().st_size > FILE_BYTES_MAX:
+            raise ScenarioError(f"scenario file {given!r} is larger than {FILE_BYTES_MAX} bytes")
+        return path.read_text("utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise ScenarioError(f"cannot read scenario file {given!r}: {error}") from None
+
+
+def _parse(text: str, name: str) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise ScenarioError(f"scenario {name!r} is not valid TOML: {error}") from None
+
+
+def with_settings(data: Mapping[str, Any], settings: Iterable[str]) -> dict[str, Any]:
+    """``data`` changed by KEY=VALUE settings from left to right, as the contract has them. Raises ``ScenarioError``."""
+    changed: dict[str, Any] = _copy(dict(data))
+    for setting in settings:
+        key, equals, value = setting.partition("=")
+        parts = [part.strip() for part in key.split(".")]
+        if not equals or not all(parts):
+            raise ScenarioError(f"--set wants KEY=VALUE with a dotted KEY, got {setting!r:.200}")
+        _put(changed, parts, _value(value.strip()), setting)
+    return changed
+
+
+def _put(table: dict[str, Any], parts: list[str], value: Any, setting: str) -> None:
+    """Put ``value`` where the path leads; missing tables on the way are made, missing array elements are not."""
+    place: Any = table
+    for depth, part in enumerate(parts):
+        last = depth == len(parts) - 1
+        if isinstance(place, list):
+            key: Any = _position(place, part, ".".join(parts[:depth]))
+        elif isinstance(place, dict):
+            key = part
+            if not last:
+                place.setdefault(key, {})
+        else:
+            raise ScenarioError(f"--set {setting:.200}: {'.'.join(parts[:depth])!r} is neither a table nor an array")
+        if last:
+            place[key] = value
+        else:
+            place = place[key]
+    if len(parts) == 1 and parts[0] in FIXED_SETTINGS:
+        table.pop(next(other for other in FIXED_SETTINGS if other != parts[0]), None)
+
+
+def _position(array: list[Any], part: str, where: str) -> int:
+    if not (part.isascii() and part.isdigit()) or int(part[:9]) >= len(array):
+        raise ScenarioError(f"{where} is an array of {len(array)}; index it with 0 to {len(array) - 1}, not {part!r:.40}")
+    return int(part)
+
+
+def _value(text: str) -> Any:
+    """A TOML value, or the text itself when it is none."""
+    try:
+        parsed = tomllib.loads(f"value = {text}")
+    except (tomllib.TOMLDecodeError, RecursionError):
+        return text
+    value = parsed["value"]
+    return value if len(parsed) == 1 and isinstance(value, str | bool | int | float | list | dict) else text
+
+
+def _copy(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _copy(item) for key, item in value.items()}
+    return [_copy(item) for item in value] if isinstance(value, list) else value
+
+
+def _faults(error: ValidationError) -> str:
+    """pydantic's findings as one line, the first few of them."""
+    faults = error.errors(include_url=False)
+    lines = [_fault(fault["type"], fault["loc"], fault["msg"], fault.get("input"), fault.get("ctx", {})) for fault in faults]
+    more = f"; and {len(lines) - FAULTS_SHOWN} more" if len(lines) > FAULTS_SHOWN else ""
+    return "; ".join(lines[:FAULTS_SHOWN]) + more
+
+
+def _fault(kind: str, loc: tuple[int | str, ...], message: str, value: Any, context: Mapping[str, Any]) -> str:
+    path = [str(part) for index, part in enumerate(loc) if not (index == 1 and loc[0] in ("terrain", "trace"))]
+    where = ".".join(path)
+    if kind == "extra_forbidden":
+        inside = ".".join(path[:-1])
+        return f"unknown key {path[-1]!r:.80}{f' in {inside}' if inside else ''}; there are: {', '.join(_keys(loc[:-1]))}"
+    if kind in ("union_tag_invalid", "union_tag_not_found"):
+        known = ", ".join(KINDS if loc[0] == "terrain" else TRACES)
+        given = value.get("kind") if isinstance(value, dict) else None
+        return f"{f'unknown {where} kind {given!r:.80}' if given is not None else f'{where} needs a kind'}; there are: {known}"
+    if kind == "value_error":
+        return f"{f'{where}: ' if where else ''}{context['error']}"
+    if kind == "missing":
+        return f"{where} is missing"
+    wanted = message.removeprefix("Input should be ").replace("a valid ", "a ")
+    return f"{where} should be {wanted}, got {value!r:.80}" if wanted != message else f"{where}: {message}, got {value!r:.80}"
+
+
+def _keys(loc: Sequence[int | str]) -> Iterable[str]:
+    """Known keys of the table at a place in the scenario."""
+    if not loc:
+        return Scenario.model_fields
+    if loc[0] in ("terrain", "trace"):
+        kinds: Mapping[str, type[BaseModel]] = KINDS if loc[0] == "terrain" else TRACES
+        return kinds[str(loc[1])].model_fields
+    annotation = Scenario.model_fields[str(loc[0])].annotation
+    return (get_args(annotation) or (annotation,))[0].model_fields  # type: ignore[no-any-return]
