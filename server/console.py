@@ -1,0 +1,324 @@
+"""``Console``: owns the plant, the walk, the belief and the command. No clock, no sockets.
+
+The same object serves the browser, REST, the command line and the tests: ``order`` leaves a command in the mailbox (the
+newest wins), ``request`` leaves a request that the next tick drains first, ``tick`` moves the world by 20 ms,
+``snapshot`` shows it. Commands may expire: then the machine holds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from planner import support
+from planner.crab.plan import plan_step
+from planner.crab.standard import standard_stance
+from planner.machine import Machine, load_machine
+from planner.reflex import Gains
+from planner.terrain import TerrainMap, classify
+from planner.vocabulary import Blocked, Command, Gait, Mode, Stance
+from planner.walk import DT, Think, Thinking, Walk
+from sim.ground import Ground, make_ground
+from sim.robot import Plant
+from sim.scenarios import Scenario
+from sim.snapshot import Snapshot, TerrainView
+
+HOLD = Command()
+EDIT_CELLS_MAX = 40_000  # cells one terrain edit may change
+
+
+@dataclass(frozen=True)
+class World:
+    """Everything slow, made outside the walking thread: ground, machine, belief, start posture."""
+
+    scenario: Scenario
+    machine: Machine
+    gait: Gait
+    ground: Ground
+    belief: TerrainMap
+    forbidden: NDArray[np.bool_]  # true ground, for this machine
+    stance: Stance
+
+
+def prepare(scenario: Scenario, machine: Machine | None = None) -> World:
+    """Make a scenario's world; raises ``MachineError``, ``GroundError`` or ``ScenarioError`` with one clear line."""
+    machine = machine or load_machine(scenario.robot, scenario.base)
+    gait = gait_of(scenario, machine)
+    first = first_crab_angle(scenario)
+    start = (scenario.start.x, scenario.start.y, math.radians(scenario.start.yaw_deg))
+    posture = standard_stance(machine, gait, first, *start, lambda x, y: 0.0)
+    ground = make_ground(
+        scenario.terrain, machine, start, scenario.seed, scenario.span(), scenario.base, stand=[foot[:2] for foot in posture.feet]
+    )
+    forbidden = true_forbidden(ground, machine)
+    belief = TerrainMap(ground.heights, forbidden, ground.cell, ground.origin, machine.foot_radius)
+    stance = standard_stance(machine, gait, first, *start, ground.height_at)
+    return World(scenario, machine, gait, ground, belief, forbidden, stance)
+
+
+def gait_of(scenario: Scenario, machine: Machine) -> Gait:
+    """The robot file's gait with the scenario's overrides."""
+    chosen = {key: value for key, value in scenario.gait.model_dump().items() if value is not None}
+    return replace(Gait(machine.duty_factor, machine.lift_up, machine.lift_down, machine.height), **chosen)
+
+
+def first_crab_angle(scenario: Scenario) -> float:
+    """α of the first command: the standard posture is that of the first course (0 with no command yet)."""
+    return math.radians(scenario.drive[0].crab_angle_deg) if scenario.drive else 0.0
+
+
+def true_forbidden(ground: Ground, machine: Machine) -> NDArray[np.bool_]:
+    """Where this machine must not step on the true ground; on ``final`` ground exactly the holes."""
+    return np.isnan(ground.heights) if ground.final else classify(ground.heights, ground.cell, machine)
+
+
+@dataclass(frozen=True)
+class Reset:
+    """Back to the start of the scenario."""
+
+
+@dataclass(frozen=True)
+class Load:
+    """Another world, made by ``prepare``."""
+
+    world: World
+
+
+@dataclass(frozen=True)
+class Edit:
+    """Change cells of the true ground and of the belief: dig, raise (by ``amount`` m), forbid or clear."""
+
+    action: str  # dig | raise | forbid | clear
+    cells: tuple[tuple[int, int], ...]  # (row, column)
+    amount: float = 0.0
+
+
+@dataclass(frozen=True)
+class Push:
+    """A horizontal force on the torso, N, for a number of ticks."""
+
+    fx: float
+    fy: float
+    ticks: int = 1
+
+
+Request = Reset | Load | Edit | Push
+
+
+class Console:
+    """The walking console without a clock: one ``tick`` is 20 ms of simulated time."""
+
+    def __init__(self, world: World, *, explain: bool = False) -> None:
+        self.explain = explain
+        self.inbox: deque[Request] = deque()
+        self.revision = 0
+        self._mailbox: tuple[Command, int | None] = (HOLD, None)
+        self.on_input: Callable[[int, object], None] | None = None
+        self._set_up(world)
+
+    def _set_up(self, world: World) -> None:
+        self.world = world
+        self.ground = world.ground
+        self.belief = world.belief
+        self.true_forbidden = world.forbidden
+        noise = world.scenario.noise
+        self.plant = Plant(world.machine, world.ground, world.stance, noise=noise, rng=np.random.default_rng(world.scenario.seed))
+        self.walk = Walk(world.machine, world.gait, world.stance, self._thinker(world), Gains())
+        self.command = HOLD
+        self._mailbox = (HOLD, None)
+        self.tick_count = 0
+        self.distance = 0.0
+        self.revision += 1
+        self._drawn_terrain: TerrainView | None = None
+
+    def _thinker(self, world: World) -> Think:
+        step = partial(plan_step, machine=world.machine, gait=world.gait, explain=self.explain)
+
+        def at_once(stance: Stance, command: Command, terrain: TerrainMap) -> Thinking:
+            return step(stance, command, terrain)
+            yield  # a generator that never pauses
+
+        return at_once
+
+    # what anybody may leave for the next tick
+
+    def order(self, command: Command, ttl_ticks: int | None = None) -> None:
+        """The newest command wins; after ``ttl_ticks`` ticks without another the machine holds."""
+        self._mailbox = (command, None if ttl_ticks is None else self.tick_count + ttl_ticks)
+
+    def request(self, request: Request) -> None:
+        """Any thread; drained first in the next tick, in order."""
+        self.inbox.append(request)
+
+    # the world moves
+
+    def tick(self) -> None:
+        """20 ms of the world: requests, command, Level B and C, plant."""
+        while self.inbox:
+            self._serve(self.inbox.popleft())
+        command, expires = self._mailbox
+        if expires is not None and self.tick_count >= expires:
+            command = HOLD
+        if command is not self.command and command != self.command:
+            if self.on_input is not None:
+                self.on_input(self.tick_count, command)
+            self.command = command
+        plant, walk = self.plant, self.walk
+        if plant.state == "fallen":
+            self.tick_count += 1
+            return
+        sensing = plant.sense()
+        velocities = walk.advance(sensing, command, self.belief)
+        x, y = plant.body[0], plant.body[1]
+        plant.move(velocities)
+        if not command.holds:
+            self._count_distance(plant.body[0] - x, plant.body[1] - y, command)
+        if walk.executed is not None:
+            learnt = walk.take_learnt()
+            if learnt:
+                self._believe(self.belief.forbid(learnt))
+        self.tick_count += 1
+
+    def _count_distance(self, dx: float, dy: float, command: Command) -> None:
+        """Planar path of the centre of gravity along the commanded direction; turning alone is no way."""
+        if dx == 0.0 and dy == 0.0:
+            return
+        heading = self.plant.body[5] + command.crab_angle
+        self.distance += dx * math.cos(heading) + dy * math.sin(heading)
+
+    def _serve(self, request: Request) -> None:
+        if self.on_input is not None:
+            self.on_input(self.tick_count, request)
+        if isinstance(request, Reset):
+            self._set_up(self.world)
+        elif isinstance(request, Load):
+            self._set_up(request.world)
+        elif isinstance(request, Push):
+            self.plant.push(request.fx, request.fy, request.ticks)
+        else:
+            self._edit(request)
+
+    def _edit(self, edit: Edit) -> None:
+        heights, forbidden = edited(self.ground.heights, self.true_forbidden, edit)
+        self.ground = replace(self.ground, heights=heights)
+        self.true_forbidden = forbidden
+        self.plant.replace_ground(self.ground)
+        known = self.belief.forbidden & ~self.world.forbidden if edit.action != "clear" else np.zeros_like(forbidden)
+        self._believe(replace(self.belief, heights=heights, forbidden=forbidden | known))
+
+    def _believe(self, belief: TerrainMap) -> None:
+        self.belief = belief
+        self._drawn_terrain = None
+        self.revision += 1
+
+    # what anybody may see
+
+    @property
+    def mode(self) -> Mode:
+        """What the walker is doing; the plant's own state comes first."""
+        if self.plant.state == "fallen":
+            return Mode.FALLEN
+        if self.plant.state == "tipping":
+            return Mode.TIPPING
+        return self.walk.mode
+
+    @property
+    def reason(self) -> str:
+        """Why it is blocked, tipping or fallen; empty otherwise."""
+        if self.plant.state == "fallen":
+            return "the machine has fallen over"
+        if self.plant.state == "tipping":
+            return "the centre of gravity has left the support polygon"
+        blocked: Blocked | None = self.walk.blocked
+        if blocked is None:
+            return ""
+        return blocked.reason if blocked.leg is None else f"leg {blocked.leg + 1}: {blocked.reason}"
+
+    def margins(self, carrying: Iterable[bool]) -> tuple[float, float]:
+        """Longitudinal and polygon margin of the feet meant to carry, m."""
+        feet = self.plant.feet
+        polygon = support.support_polygon([foot for foot, carries in zip(feet, carrying, strict=True) if carries])
+        x, y, heading = self.plant.body[0], self.plant.body[1], self.walk.heading
+        longitudinal = support.longitudinal_margin(polygon, x, y, math.cos(heading), math.sin(heading))
+        return longitudinal, support.polygon_margin(polygon, x, y)
+
+    def terrain_view(self) -> TerrainView:
+        """The ground as viewers draw it; a new revision only when something changed."""
+        if self._drawn_terrain is None:
+            belief = self.belief
+            self._drawn_terrain = TerrainView(self.revision, self.ground.heights, belief.forbidden, belief.cell, belief.origin)
+        return self._drawn_terrain
+
+    def snapshot(self, *, paused: bool = False, rate: float = 1.0, late: float = 0.0) -> Snapshot:
+        """The world at this instant; ``paused``, ``rate`` and ``late`` are the clock's to say."""
+        plant, walk, world = self.plant, self.walk, self.world
+        carrying = walk.carrying()
+        longitudinal, polygon = self.margins(carrying)
+        feet = tuple((f[0], f[1], f[2]) for f in plant.feet)
+        x, y, z, roll, pitch, yaw = plant.body
+        standing = [foot for foot, carries in zip(feet, carrying, strict=True) if carries]
+        stepping = walk.kind == "step"
+        return Snapshot(
+            tick=self.tick_count,
+            time=self.tick_count * DT,
+            machine=world.machine,
+            scenario=world.scenario.name,
+            planner=world.scenario.planner,
+            planner_mode=world.scenario.mode,
+            body=(x, y, z, roll, pitch, yaw),
+            feet=feet,
+            contact=tuple(plant.soles),
+            support=carrying,
+            mode=self.mode,
+            reason=self.reason,
+            command=self.command,
+            speed=walk.speed,
+            speed_max=walk.plan.speed_max if stepping else 0.0,
+            margin=longitudinal,
+            polygon_margin=polygon,
+            energy_margin=support.energy_margin(standing, (x, y, z)),
+            step=walk.steps_begun,
+            distance=self.distance,
+            plan=walk.plan if walk.kind not in ("stand", "hover") else None,
+            plan_time=walk.t,
+            ready=walk.ready,
+            terrain=self.terrain_view(),
+            flags=walk.flags,
+            whiskers=plant.whiskers,
+            paused=paused,
+            rate=rate,
+            late=late,
+        )
+
+
+def edited(
+    heights: NDArray[np.float64], forbidden: NDArray[np.bool_], edit: Edit
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    """Heights and forbidden layer after an edit; raises ``ValueError`` before anything has changed."""
+    if len(edit.cells) > EDIT_CELLS_MAX:
+        raise ValueError(f"an edit changes at most {EDIT_CELLS_MAX} cells, got {len(edit.cells)}")
+    rows, columns = (np.array([cell[axis] for cell in edit.cells], dtype=np.intp) for axis in (0, 1))
+    ny, nx = heights.shape
+    if rows.size and not (rows.min() >= 0 and rows.max() < ny and columns.min() >= 0 and columns.max() < nx):
+        raise ValueError(f"cells must be within {ny} rows and {nx} columns")
+    heights, forbidden = heights.copy(), forbidden.copy()
+    if edit.action == "dig":
+        heights[rows, columns] = np.nan
+        forbidden[rows, columns] = True
+    elif edit.action == "raise":
+        heights[rows, columns] += edit.amount
+    elif edit.action == "forbid":
+        forbidden[rows, columns] = True
+    elif edit.action == "clear":
+        heights[rows, columns] = np.where(np.isnan(heights[rows, columns]), 0.0, heights[rows, columns])
+        forbidden[rows, columns] = False
+    else:
+        raise ValueError(f"unknown terrain edit {edit.action!r}; there are: dig, raise, forbid, clear")
+    return heights, forbidden
+

@@ -1,0 +1,207 @@
+"""Runs without a browser, faster than life: a scenario's timeline, its end, its expectations, and replays."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Iterator
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from planner.machine import as_data, machine_from
+from planner.vocabulary import Command
+from sim.scenarios import Scenario, scenario_from
+
+from .console import DT, Console, World, prepare
+from .recording import MODES, SCHEMA, Recorder, input_from
+
+TIME_LIMIT = 600.0  # s of simulated time when the scenario sets none
+BLOCKED_LIMIT = 10.0  # s
+PROGRESS_TICKS = 250
+
+Progress = Callable[[Console, float], None]  # console, share done 0..1
+
+
+class RunError(ValueError):
+    """A run directory that cannot be used; the message is one clear line."""
+
+
+def timeline(scenario: Scenario) -> list[tuple[int, Command]]:
+    """The drive entries as (tick, command), in order; with none, hold."""
+    return [
+        (
+            round(entry.t / DT),
+            Command(math.radians(entry.crab_angle_deg), entry.speed, math.radians(entry.turn_rate_deg_s)),
+        )
+        for entry in scenario.drive
+    ]
+
+
+def run(
+    scenario: Scenario, out: Path | None = None, *, explain: bool = False, progress: Progress | None = None, world: World | None = None
+) -> dict[str, Any]:
+    """Walk a scenario to its end and write the run directory; the answer is what ``run.json`` holds."""
+    console = Console(world or prepare(scenario), explain=explain)
+    recorder = Recorder(console)
+    result, reason = "interrupted", "interrupted"
+    try:
+        result, reason = _walk_to_end(console, recorder, scenario, progress)
+    except KeyboardInterrupt:
+        pass
+    summary = summarise(console, recorder, scenario, result, reason)
+    if out is not None:
+        recorder.write(out, summary)
+    return summary
+
+
+def _walk_to_end(console: Console, recorder: Recorder, scenario: Scenario, progress: Progress | None) -> tuple[str, str]:
+    orders = timeline(scenario)
+    last_order = orders[-1][0] if orders else 0
+    time_end, distance_end = scenario.end.time, scenario.end.distance
+    ticks_max = round((TIME_LIMIT if time_end is None else time_end) / DT)
+    blocked_ticks, next_order = 0, 0
+    tick, note, plant = console.tick, recorder.note, console.plant
+    for index in range(ticks_max):
+        while next_order < len(orders) and orders[next_order][0] <= index:
+            console.order(orders[next_order][1])
+            next_order += 1
+        tick()
+        note()
+        if plant.state == "fallen":
+            return "fell", console.reason
+        if distance_end is not None and console.distance >= distance_end - 1e-9:
+            return "completed", "distance"
+        blocked_ticks = blocked_ticks + 1 if console.walk.blocked is not None else 0
+        if blocked_ticks * DT >= BLOCKED_LIMIT and index >= last_order:
+            return "blocked", console.reason
+        if progress is not None and index % PROGRESS_TICKS == 0:
+            progress(console, _share(index / ticks_max, console.distance, distance_end))
+    return ("blocked", "time") if time_end is None else ("completed", "time")
+
+
+def _share(of_time: float, distance: float, distance_end: float | None) -> float:
+    return of_time if distance_end is None else min(1.0, max(of_time, distance / distance_end))
+
+
+def summarise(console: Console, recorder: Recorder, scenario: Scenario, result: str, reason: str) -> dict[str, Any]:
+    """``run.json``: what was run, how it ended, and each expectation held against what came."""
+    seconds = recorder.ticks * DT
+    figures: dict[str, Any] = {
+        "ticks": recorder.ticks,
+        "seconds": seconds,
+        "distance": console.distance,
+        "mean_speed": console.distance / seconds if seconds else 0.0,
+        "steps": len(recorder.steps),
+        "margin_min": recorder.margin_min if math.isfinite(recorder.margin_min) else None,
+        "forbidden_steps": recorder.forbidden_steps,
+        "falls": recorder.falls,
+        "emergent": dict(sorted(console.walk.emergent.items())),
+    }
+    return {
+        "schema": SCHEMA,
+        "version": product_version(),
+        "scenario": scenario.as_data(),
+        "robot": as_data(console.world.machine),
+        "result": result,
+        "reason": reason,
+        **figures,
+        "expect": held(scenario, figures),
+        "modes": MODES,
+        "state_hash": recorder.state_hash,
+    }
+
+
+def held(scenario: Scenario, figures: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    """Each expectation: wanted, got, pass."""
+    got = {**figures, "emergent": sum(figures["emergent"].values()), "time": figures["seconds"], "margin": figures["margin_min"]}
+    answer = {}
+    for key, wanted in scenario.expect.model_dump(exclude_none=True).items():
+        figure, bound = key.rsplit("_", 1)
+        value = got[figure]
+        passed = value is not None and (value >= wanted if bound == "min" else value <= wanted)
+        answer[key] = {"wanted": wanted, "got": value, "pass": bool(passed)}
+    return answer
+
+
+def succeeded(summary: dict[str, Any]) -> bool:
+    """Completed, and every expectation held."""
+    return summary["result"] == "completed" and all(entry["pass"] for entry in summary["expect"].values())
+
+
+def product_version() -> str:
+    """The installed version."""
+    try:
+        return version("walking-console")
+    except PackageNotFoundError:
+        return "0+unknown"
+
+
+def read_run(directory: Path) -> dict[str, Any]:
+    """``run.json`` of a run directory; raises ``RunError``."""
+    try:
+        summary = json.loads((directory / "run.json").read_text("utf-8"))
+    except FileNotFoundError:
+        raise RunError(f"{directory} is not a run directory: it has no run.json") from None
+    except (OSError, ValueError) as error:
+        raise RunError(f"cannot read {directory / 'run.json'}: {error}") from None
+    if not isinstance(summary, dict) or summary.get("schema") != SCHEMA:
+        got = summary.get("schema") if isinstance(summary, dict) else type(summary).__name__
+        raise RunError(f"{directory / 'run.json'} must have schema {SCHEMA}, got {got!r}")
+    return summary
+
+
+def rerun(directory: Path) -> Iterator[tuple[Console, bool]]:
+    """Run a recorded run again from its inputs: after every tick the console, and whether its hash is the recorded one."""
+    summary = read_run(directory)
+    recorded = _recorded_hashes(directory)
+    inputs = list(_recorded_inputs(directory))
+    console = Console(prepare(scenario_from(summary["scenario"], directory), machine_from(summary["robot"])))
+    recorder = Recorder(console)
+    next_input = 0
+    for index in range(len(recorded)):
+        while next_input < len(inputs) and inputs[next_input][0] <= index:
+            given = inputs[next_input][1]
+            if isinstance(given, Command):
+                console.order(given)
+            else:
+                console.request(given)
+            next_input += 1
+        console.tick()
+        recorder.note()
+        yield console, recorder.hash == int(recorded[index]).to_bytes(8, "little")
+
+
+def replay(directory: Path) -> dict[str, Any]:
+    """Run a recorded run again and compare the state hash of every tick; stops at the first difference."""
+    ticks = 0
+    for console, equal in rerun(directory):
+        ticks = console.tick_count
+        if not equal:
+            return {"equal": False, "first_difference": ticks - 1, "t": ticks * DT}
+    return {"equal": True, "ticks": ticks, "state_hash": read_run(directory)["state_hash"]}
+
+
+def _recorded_hashes(directory: Path) -> np.ndarray[Any, Any]:
+    try:
+        with np.load(directory / "ticks.npz", allow_pickle=False) as log:
+            return np.asarray(log["hash"])
+    except (OSError, KeyError, ValueError) as error:
+        raise RunError(f"cannot read {directory / 'ticks.npz'}: {error}") from None
+
+
+def _recorded_inputs(directory: Path) -> Iterator[tuple[int, Any]]:
+    path = directory / "inputs.jsonl"
+    try:
+        lines = path.read_text("utf-8").splitlines()
+    except OSError as error:
+        raise RunError(f"cannot read {path}: {error}") from None
+    for number, line in enumerate(lines, 1):
+        try:
+            record = json.loads(line)
+            yield int(record["tick"]), input_from(record)
+        except (ValueError, KeyError, TypeError) as error:
+            raise RunError(f"{path} line {number} is not an input: {error}") from None
+
