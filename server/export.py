@@ -1,0 +1,137 @@
+"""A run's log in other forms: csv and npz for spreadsheets and notebooks, mcap for log viewers, html to watch it anywhere."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .headless import RunError, read_run, rerun
+
+FRAME_TICKS = 3  # one drawn frame of a replay page every 60 ms
+FRAMES_MAX = 6000  # six minutes; longer runs are drawn at fewer frames a second
+BODY = ("x", "y", "z", "roll", "pitch", "yaw")
+PLAIN = ("t", "body", "feet", "contact", "support", "margin", "polygon_margin", "command", "step")
+COMMAND = ("crab_angle_rad", "speed_m_s", "turn_rate_rad_s")
+
+Columns = dict[str, np.ndarray[Any, Any]]
+
+
+def export(directory: Path, to: str, out: Path | None = None) -> Path:
+    """Write the run in ``directory`` as ``to`` and answer with the file; raises ``RunError``."""
+    if to not in FORMS:
+        raise RunError(f"unknown form {to!r}; there are: {', '.join(FORMS)}")
+    summary = read_run(directory)
+    names = {"csv": "ticks.csv", "npz": "run.npz", "html": "replay.html", "mcap": "run.mcap"}
+    path = out or directory / names[to]
+    if not path.parent.is_dir():
+        raise RunError(f"cannot write {str(path)!r}: there is no folder {str(path.parent)!r}")
+    try:
+        FORMS[to](directory, summary, path)
+    except OSError as error:
+        raise RunError(f"cannot write {str(path)!r}: {error.strerror}") from None
+    return path
+
+
+def read_log(directory: Path) -> Columns:
+    """``ticks.npz`` as named arrays."""
+    return _read_npz(directory / "ticks.npz")
+
+
+def _read_npz(path: Path) -> Columns:
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            return {name: file[name] for name in file.files}
+    except (OSError, KeyError, ValueError) as error:
+        raise RunError(f"cannot read {path}: {error}") from None
+
+
+def _to_csv(directory: Path, summary: dict[str, Any], path: Path) -> None:
+    """One row a tick, units in the column names."""
+    log = read_log(directory)
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(_csv_header(log["feet"].shape[1]))
+        names = {number: name for name, number in summary["modes"].items()}
+        for row in range(len(log["t"])):
+            writer.writerow([
+                repr(float(log["t"][row])),
+                *(repr(float(v)) for v in log["body"][row]),
+                *(repr(float(v)) for v in log["feet"][row].ravel()),
+                *(int(v) for v in log["contact"][row]),
+                *(int(v) for v in log["support"][row]),
+                repr(float(log["margin"][row])),
+                repr(float(log["polygon_margin"][row])),
+                *(repr(float(v)) for v in log["command"][row]),
+                int(log["step"][row]),
+                names[int(log["mode"][row])],
+            ])  # fmt: skip
+
+
+def _csv_header(legs: int) -> list[str]:
+    body = [f"{name}_m" if name in "xyz" else f"{name}_rad" for name in BODY]
+    feet = [f"foot{leg}_{axis}_m" for leg in range(1, legs + 1) for axis in "xyz"]
+    flags = [f"{kind}{leg}" for kind in ("contact", "support") for leg in range(1, legs + 1)]
+    return ["t_s", *body, *feet, *flags, "margin_m", "polygon_margin_m", *COMMAND, "step", "mode"]
+
+
+def _to_npz(directory: Path, summary: dict[str, Any], path: Path) -> None:
+    """Log, ground and steps in one uncompressed file; the summary as JSON text under ``run``."""
+    ground = {f"terrain_{name}": array for name, array in _read_npz(directory / "terrain.npz").items()}
+    steps = (directory / "steps.jsonl").read_text("utf-8")
+    everything: dict[str, Any] = {**read_log(directory), **ground, "run": json.dumps(summary), "steps": steps}
+    np.savez(path, **everything)
+
+
+def _to_html(directory: Path, summary: dict[str, Any], path: Path) -> None:
+    """One self-contained 3-D page: the run is walked again from its inputs and every frame drawn."""
+    from .canvas import recording_page
+
+    every = max(FRAME_TICKS, -(-int(summary["ticks"]) // FRAMES_MAX))
+    path.write_bytes(recording_page(_frames(directory, every), every * 0.02))
+
+
+def _frames(directory: Path, every: int) -> Iterator[Any]:
+    for index, (console, equal) in enumerate(rerun(directory)):
+        if not equal:
+            raise RunError(f"{directory} does not replay: tick {index} differs from the recorded run")
+        if index % every == 0:
+            yield console.snapshot()
+
+
+def _to_mcap(directory: Path, summary: dict[str, Any], path: Path) -> None:
+    """The log as MCAP with JSON messages: topic /tick (state) and /step (decisions)."""
+    try:
+        from mcap.writer import Writer
+    except ImportError:
+        raise RunError("writing mcap needs the extra: pip install 'walking-console[mcap]'") from None
+    log = read_log(directory)
+    names = {number: name for name, number in summary["modes"].items()}
+    with path.open("wb") as file:
+        writer = Writer(file)
+        writer.start(profile="", library="walking-console")
+        ticks, steps = (_channel(writer, topic) for topic in ("/tick", "/step"))
+        for row in range(len(log["t"])):
+            at = int(round(float(log["t"][row]) * 1e9))
+            writer.add_message(ticks, at, json.dumps(_tick_message(log, row, names)).encode(), at)
+        for line in (directory / "steps.jsonl").read_text("utf-8").splitlines():
+            at = int(json.loads(line)["tick"] * 20_000_000)
+            writer.add_message(steps, at, line.encode(), at)
+        writer.add_metadata("run", {key: str(summary[key]) for key in ("version", "result", "reason", "state_hash")})
+        writer.finish()
+
+
+def _channel(writer: Any, topic: str) -> int:
+    schema = writer.register_schema(name=f"walking_console{topic.replace('/', '.')}", encoding="jsonschema", data=b'{"type": "object"}')
+    return int(writer.register_channel(topic=topic, message_encoding="json", schema_id=schema))
+
+
+def _tick_message(log: Columns, row: int, names: dict[int, str]) -> dict[str, Any]:
+    return {**{name: log[name][row].tolist() for name in PLAIN}, "mode": names[int(log["mode"][row])]}
+
+
+FORMS: dict[str, Callable[[Path, dict[str, Any], Path], None]] = {"csv": _to_csv, "npz": _to_npz, "html": _to_html, "mcap": _to_mcap}
