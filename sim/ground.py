@@ -123,7 +123,7 @@ def make_ground(
     """The ground a scenario names. Raises ``GroundError``.
 
     ``start`` is x, y, yaw of the body; ``span`` is how far the course may lead from there (a radius, or the course's own
-    bounds: ``Scenario.bounds``); ``stand`` are the feet of the start posture, which must find ground; ``base`` is the
+    bounds: ``Scenario.span``); ``stand`` are the feet of the start posture, which must find ground; ``base`` is the
     folder relative files are looked up in. ``terrain.seed`` wins over ``seed``.
     """
     site_seed = seed if terrain.seed is None else terrain.seed

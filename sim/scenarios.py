@@ -20,7 +20,11 @@ from planner.machine import Machine
 from planner.vocabulary import Command
 from planner.vocabulary import Gait as MachineGait
 
-from .terrains import KINDS, SEED_MAX, AnyTerrain, Box, Degrees, FileTerrain, Flat, Place
+from .terrains import KINDS, SEED_MAX, AnyTerrain, Box, Degrees, FileTerrain, Flat, Place, list_terrains
+
+__all__ = [
+    "Scenario", "ScenarioError", "list_scenarios", "list_terrains", "load_scenario", "scenario_from", "scenario_names", "with_settings",
+]  # fmt: skip
 
 DEFAULT_MODE: Literal["paper", "predictive"] = "paper"  # until predictive exists
 TIME_LIMIT = 600.0  # s, when [end] names no time
@@ -181,6 +185,11 @@ class Noise(_Table):
     position: float = Field(default=0.0, ge=0.0, le=0.1)  # m, position monitors of the feet
     posture_deg: float = Field(default=0.0, ge=0.0, le=10.0)  # pitch and roll
 
+    @property
+    def posture(self) -> float:
+        """The same in radians."""
+        return math.radians(self.posture_deg)
+
 
 class Scenario(_Table):
     """One world and what is to happen in it."""
@@ -200,7 +209,7 @@ class Scenario(_Table):
     trace: Trace | None = None
     end: End = End()
     expect: Expect = Expect()
-    noise: Noise = Noise()
+    noise: Noise | None = None
     _base: Path | None = PrivateAttr(None)
 
     @model_validator(mode="after")
@@ -248,12 +257,15 @@ class Scenario(_Table):
             raise ScenarioError(f"gait.lift_down must be at least lift_up = {gait.lift_up:g} m, got {gait.lift_down:g}")
         return gait
 
-    def bounds(self, machine: Machine) -> Box:
-        """A box no course of this scenario leaves, however slowly it is walked: x_min, x_max, y_min, y_max."""
+    def span(self, machine: Machine | None = None) -> Box:
+        """A box no course of this scenario leaves, however slowly it is walked: x_min, x_max, y_min, y_max.
+
+        With a machine, commands are taken no faster than it can walk: the map need not be larger.
+        """
         x, y, yaw = self.start_pose
         if self.trace is not None:
             return _around(x, y, self.trace.reach())
-        return _driven(self.drive, x, y, yaw, self.time_limit, self.end.distance or math.inf, self._fastest(machine))
+        return _driven(self.drive, x, y, yaw, self.time_limit, self.end.distance or math.inf, self._fastest(machine) if machine else math.inf)
 
     def _fastest(self, machine: Machine) -> float:
         """m/s no gait of this machine exceeds: a leg must return in (1-β)T what the body walked in βT, three stand at any time."""
@@ -453,4 +465,5 @@ def _keys(loc: Sequence[int | str]) -> Iterable[str]:
         kinds: Mapping[str, type[BaseModel]] = KINDS if loc[0] == "terrain" else TRACES
         return kinds[str(loc[1])].model_fields
     annotation = Scenario.model_fields[str(loc[0])].annotation
-    return (get_args(annotation) or (annotation,))[0].model_fields  # type: ignore[no-any-return]
+    table = (get_args(annotation) or (annotation,))[0]  # the table itself, or that of an array or of a table that may be missing
+    return list(table.model_fields)

@@ -394,8 +394,8 @@ class FileTerrain(Terrain):
     file: str = Field(min_length=1, max_length=500, description="path, relative to the scenario file")
     cell: float | None = Field(default=None, ge=CELL_MIN, le=CELL_MAX, description="m; 0.05, or the .npz file's own")
     scale: float = Field(default=1.0, ge=-1000.0, le=1000.0, description="m for white in a picture, a factor otherwise")
-    origin: Annotated[list[Place], Field(min_length=2, max_length=2)] | None = Field(default=
-        None, description="x, y of the corner of cell [0, 0]; the map's middle lies at the origin, or the .npz file's own"
+    origin: Annotated[list[Place], Field(min_length=2, max_length=2)] | None = Field(
+        default=None, description="x, y of the corner of cell [0, 0]; the map's middle lies at the origin, or the .npz file's own"
     )
     nan: Literal["hole"] | None = Field(default=None, description='"hole": NaN is a hole without a bottom; refused otherwise')
     smooth: bool = Field(default=False, description="interpolate to cells of at most 0.025 m")
