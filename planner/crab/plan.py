@@ -1,0 +1,241 @@
+"""One step of the crab walk on one page: B1 takes the command, B2 the plane, B3 the height, B4 the clock (H §3, §5-§7)."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+
+import numpy as np
+
+from ..course import line_exit
+from ..machine import Machine
+from ..terrain import TerrainMap
+from ..vocabulary import Array, Blocked, Command, Gait, Point, Stance, StepPlan
+from .height import CLEARANCE, body_height, ground_ahead, height_range, torso_needs, torso_needs_exactly
+from .landing import Landing, ground_of
+from .standard import LEAN, Posture, Standard, posture_of, standard_for
+from .trajectory import Knot, Swing, Timing, knots, speed_limit, timing
+from .xy import Notes, Shift, Step, decide
+
+LEVEL = 0.005  # m; feet this close to the height of level ground stand on it: no height to plan
+
+
+def plan_step(
+    stance: Stance, command: Command, terrain: TerrainMap, machine: Machine, gait: Gait, *, explain: bool = False
+) -> StepPlan | Blocked:
+    """The next step of the crab walk from N_k, or why there is none.
+
+    The turn rate is not walked here: the course of a crab step is straight. A command of speed 0 is planned at v_max, to be
+    played at the walker's own pace. ``explain`` fills the decision trace.
+    """
+    standard = standard_for(machine, gait, command.crab_angle, stance.quarter_turns)
+    posture = posture_of(standard, stance)
+    notes: Notes | None = {"crab_angle": command.crab_angle, "quarter_turns": standard.quarter_turns} if explain else None
+    ahead = Ahead(standard, posture, stance, terrain, machine, gait)
+    step = decide(standard, posture, ground_of(terrain), None if ahead.is_level else ahead.refuses, notes)
+    if step is None:
+        return Blocked("no leg can swing and find a foothold", _first_leg(notes), notes)
+    height = ahead.height_after(step.leg, step.g, step.landing)
+    needs = ahead.torso_needs(step.g, height)
+    if needs > height:
+        highest = ahead.highest_after(step.leg, step.landing)
+        if needs > highest:
+            return Blocked(f"the torso would touch the ground: it needs {needs:.2f} m, the legs reach {highest:.2f} m", None, notes)
+        height = needs
+    return build(standard, posture, stance, step, height, ahead, command, machine, gait, notes)
+
+
+def _first_leg(notes: Notes | None) -> int | None:
+    return notes["legs"][0]["leg"] - 1 if notes and notes.get("legs") else None
+
+
+class Ahead:
+    """Heights around one stance: what Level B3 says of a foothold before it is taken."""
+
+    def __init__(self, standard: Standard, posture: Posture, stance: Stance, terrain: TerrainMap, machine: Machine, gait: Gait) -> None:
+        self.standard, self.posture, self.stance = standard, posture, stance
+        self.terrain, self.machine, self.gait = terrain, machine, gait
+        self.heights = [stance.feet[leg][2] for leg in standard.body_leg]  # canonical legs
+        self.level = terrain.highest if terrain.is_level else math.nan
+        self.is_level = terrain.is_level and all(abs(z - self.level) <= LEVEL for z in self.heights)
+
+    def ground_at(self, landing: Landing) -> float:
+        """Height of the foothold, m."""
+        return self.level if self.is_level else self.terrain.height_at(landing.ax, landing.ay)
+
+    def height_after(self, leg: int, g: float, landing: Landing) -> float:
+        """Height of the CoG at N_{k+1} (H §6), m."""
+        heights = self.heights.copy()
+        heights[leg] = z = self.ground_at(landing)
+        places = [(fx, fy, h) for (fx, fy), h in zip(self.posture.feet, heights, strict=True)]
+        places[leg] = (landing.x, landing.y, z)
+        low, high = height_range(self.machine, heights)
+        predicted = ground_ahead(places[0], places[3], self.standard.ux, self.standard.uy)
+        return body_height(self.stance.body[2], g, predicted, self.gait.height, low, high)
+
+    def highest_after(self, leg: int, landing: Landing) -> float:
+        """The most the body can be raised at N_{k+1}, m."""
+        heights = self.heights.copy()
+        heights[leg] = self.ground_at(landing)
+        return height_range(self.machine, heights)[1]
+
+    def refuses(self, leg: int, shift: Shift, landing: Landing) -> str | None:
+        """Why a foothold cannot be used for its height; None when it can."""
+        z = self.ground_at(landing)
+        if z != z:
+            return "no ground known there"
+        heights = self.heights.copy()
+        heights[leg] = z
+        low, high = height_range(self.machine, heights)
+        if low > high:
+            return "too high or too low for the legs to reach together"
+        height = self.height_after(leg, shift.g, landing)
+        if self.crest(leg, landing) + CLEARANCE > self.ceiling(height):
+            return "the foot cannot be lifted over the ground on the way"
+        return None
+
+    def crest(self, leg: int, landing: Landing) -> float:
+        """Highest ground under the way of the swing foot, its own two footholds included, m."""
+        if self.is_level:
+            return self.level
+        px, py, z = self.stance.feet[self.standard.body_leg[leg]]
+        return max(z, self.ground_at(landing), self.terrain.crest_between(px, py, landing.ax, landing.ay))
+
+    def ceiling(self, height: float) -> float:
+        """How high a foot can be lifted in this step, m: the lift may use δz above the control reach."""
+        return min(self.stance.body[2], height) + self.machine.z_range[1] + self.machine.overreach[2]
+
+    def torso_needs(self, g: float, height: float) -> float:
+        """Lowest CoG at N_{k+1} at which the torso clears the ground there, m; -inf when ``height`` clears all of the map."""
+        terrain, machine = self.terrain, self.machine
+        if terrain.highest + machine.torso[2] / 2 + CLEARANCE <= height:
+            return -math.inf
+        x, y = self.posture.absolute(g * self.standard.ux, g * self.standard.uy)
+        needs = torso_needs(terrain, machine, x, y, self.stance.body[3])
+        return needs if needs <= height else torso_needs_exactly(terrain, machine, x, y, self.stance.body[3])
+
+
+def build(
+    standard: Standard,
+    posture: Posture,
+    stance: Stance,
+    step: Step,
+    height: float,
+    ahead: Ahead,
+    command: Command,
+    machine: Machine,
+    gait: Gait,
+    notes: Notes | None = None,
+) -> StepPlan:
+    """The plan of a step Level B2 decided on, the body ending at ``height`` (H §7)."""
+    leg = standard.body_leg[step.leg]
+    x, y, z, yaw = stance.body
+    end_x, end_y = posture.absolute(step.g * standard.ux, step.g * standard.uy)
+    landing: Point = (step.landing.ax, step.landing.ay, ahead.ground_at(step.landing))
+    swing = lift(stance.feet[leg], landing, ahead.crest(step.leg, step.landing), ahead.ceiling(height), height, machine, gait)
+    clock = _clock(standard, posture, step, swing, height - z, command, machine, gait)
+    rows, phases = knots(clock, gait.smooth, ((x, y, z), (end_x, end_y, height)), step.g0, step.g, swing)
+    feet = list(stance.feet)
+    feet[leg] = landing
+    start_x, start_y = posture.absolute(*step.start)
+    times, body, paths = _arrays(rows, stance.feet, leg, yaw)
+    return StepPlan(
+        swing=(leg,),
+        times=times,
+        body=body,
+        feet=paths,
+        phases=tuple(phases),
+        end=Stance((end_x, end_y, height, yaw), tuple(feet), leg, standard.quarter_turns, (), stance.course + step.g),
+        crab_angle=command.crab_angle,
+        support_shift=step.g0,
+        shift=step.g,
+        standard_margin=standard.margin,
+        margin_min=step.margin,
+        speed=clock.speed if clock.speed > 0.0 else clock.support_speed,
+        speed_max=clock.speed_max if clock.speed > 0.0 else clock.support_speed,
+        search_start=(start_x, start_y, landing[2]),
+        landing=landing,
+        decision=notes,
+    )
+
+
+def lift(foot: Point, landing: Point, crest: float, ceiling: float, height: float, machine: Machine, gait: Gait) -> Swing:
+    """The corners of the swing: standing, lifted, above the landing point, and the aim h_up below it (H §4.5, fig. 8).
+
+    The lift clears the crest under the way; it is cut where the leg cannot be drawn higher, the aim where it cannot reach lower.
+    """
+    clear = crest + CLEARANCE
+    top = max(min(max(foot[2] + gait.lift_up, clear), ceiling), foot[2])
+    over = max(min(max(landing[2] + gait.lift_up, clear), ceiling), landing[2])
+    lowest = height + machine.z_range[0] - machine.overreach[2]
+    aim = max(landing[2] + gait.lift_up - gait.lift_down, min(lowest, landing[2]))
+    return foot, (foot[0], foot[1], top), (landing[0], landing[1], over), (landing[0], landing[1], aim)
+
+
+def _clock(
+    standard: Standard,
+    posture: Posture,
+    step: Step,
+    swing: Swing,
+    climb: float,
+    command: Command,
+    machine: Machine,
+    gait: Gait,
+) -> Timing:
+    n, g = standard.quarter_turns, step.g
+    course = _body_axes(standard.ux, standard.uy, n)
+    fx, fy = posture.feet[step.leg]
+    way = _body_axes(step.landing.x - fx, step.landing.y - fy, n)
+    _, top, over, aim = swing
+    box, ux, uy = standard.far_boxes[step.leg], standard.ux, standard.uy
+    behind = line_exit(fx, fy, box, ux, uy) - step.g0
+    beyond = line_exit(step.landing.x - g * ux, step.landing.y - g * uy, box, -ux, -uy)
+    return timing(
+        machine,
+        gait,
+        (way[0], way[1], over[2] - top[2]),
+        (course[0], course[1], climb / g if g > 0.0 else 0.0),
+        step.g0,
+        g,
+        top[2] - swing[0][2],
+        over[2] - aim[2],
+        (max(behind, LEAN), max(beyond, LEAN)),
+        command.speed,
+        _cruise(machine, gait, standard.duty_factor, standard.stride, course),
+    )
+
+
+@lru_cache(maxsize=512)
+def _cruise(machine: Machine, gait: Gait, duty_factor: float, stride: float, course: tuple[float, float]) -> float:
+    """v_max of the standard step on level ground, m/s."""
+    g = (1.0 - duty_factor) / duty_factor * stride
+    peak = gait.peak
+    limits = machine.speed[0] / peak, machine.speed[1] / peak, machine.speed[2] / peak
+    way = stride + g
+    return speed_limit((way * course[0], way * course[1], 0.0), (*course, 0.0), limits, g, (gait.lift_up + gait.lift_down) / limits[2])
+
+
+def cruise_speed(machine: Machine, gait: Gait, crab_angle: float) -> float:
+    """v_max of the standard walk at a crab angle, m/s: what a command is held against before any step is planned."""
+    standard = standard_for(machine, gait, crab_angle)
+    return _cruise(machine, gait, standard.duty_factor, standard.stride, _body_axes(standard.ux, standard.uy, standard.quarter_turns))
+
+
+def _body_axes(x: float, y: float, n: int) -> tuple[float, float]:
+    """A canonical vector in body axes."""
+    for _ in range(n):
+        x, y = -y, x
+    return x, y
+
+
+def _arrays(rows: list[Knot], feet: tuple[Point, ...], leg: int, yaw: float) -> tuple[Array, Array, Array]:
+    """Knots as write-protected arrays: times (m,), body (m, 4), feet (m, n_legs, 3)."""
+    count = len(rows)
+    before = [v for foot in feet[:leg] for v in foot]
+    behind = [v for foot in feet[leg + 1 :] for v in foot]
+    flat: list[float] = []
+    for t, place, foot in rows:
+        flat += (t, *place, yaw, *before, *foot, *behind)
+    table = np.array(flat).reshape(count, 5 + 3 * len(feet))
+    table.setflags(write=False)
+    return table[:, 0], table[:, 1:5], table[:, 5:].reshape(count, len(feet), 3)
