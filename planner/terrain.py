@@ -158,7 +158,8 @@ def classify(heights: NDArray[np.float64], cell: float, machine: Machine) -> NDA
     reach = _foot_cells(machine, cell)
     high = _spread_max(np.where(holes, -np.inf, heights), reach)
     low = -_spread_max(np.where(holes, np.inf, -heights), reach)  # a hole under the foot's rim makes relief infinite
-    rough = ~(high - low <= RELIEF_MAX)
+    with np.errstate(invalid="ignore"):  # nothing but holes under the foot: −inf less −inf
+        rough = ~(high - low <= RELIEF_MAX)
     filled = np.where(holes, np.nanmean(heights), heights)
     slope_y, slope_x = (np.gradient(filled, cell, axis=axis) if filled.shape[axis] > 1 else np.zeros_like(filled) for axis in (0, 1))
     steep = np.hypot(slope_x, slope_y) > math.tan(SLOPE_MAX)
