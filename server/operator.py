@@ -1,0 +1,210 @@
+"""Who may drive. One lease, held by one socket; everybody may stop.
+
+A held stick is a command that is repeated: it lapses ``DEAD_MAN`` s of wall time after the last fresh one, and a frame is
+fresh only while the picture its sender has seen (``echo_tick``) is: after a black-out TCP delivers every old frame at once.
+A machine that held because its operator was lost moves again only after the stick has been seen at rest.
+Only the web loop touches an ``Operator``; what it decides goes to the clock's mailbox.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from planner.vocabulary import Command
+
+from .clock import HOLD, WalkingClock
+from .messages import DriveFrame, Frame, ReleaseFrame, StopFrame, TakeFrame
+
+DEAD_MAN = 0.5  # s: shorter stops on every hiccup of a wireless link, longer walks on blindly
+LEASE_IDLE = 15.0  # s without a frame after which the lease is free
+FRAMES_PER_SECOND = 100.0
+FRAME_BURST = 50.0
+REST = "rest"  # who drives while a REST command lives
+
+TAKE_FIRST = "take the lease first"
+CENTRE_FIRST = "let go of the stick first"
+STOPPED = "stopped: let go of the stick and rearm"
+
+
+class TooFast(Exception):
+    """A socket that sends more than it may; it is to be closed."""
+
+
+@dataclass(eq=False)
+class Seat:
+    """One socket's place: its last number, its stick, its allowance of frames."""
+
+    name: str
+    sequence: int = -1
+    centred: bool = True  # the stick as last seen
+    must_centre: bool = False  # no motion before the stick has been seen at rest
+    heard: float = 0.0  # s, last frame of any kind
+    driven: float = 0.0  # s, last accepted drive frame
+    moving: bool = False  # whether that one asked for motion
+    allowance: float = FRAME_BURST
+    counted: float = 0.0
+
+    def count(self, now: float) -> None:
+        """Take one frame out of the allowance; raises ``TooFast`` when there is none left."""
+        self.allowance = min(FRAME_BURST, self.allowance + (now - self.counted) * FRAMES_PER_SECOND) - 1.0
+        self.counted = self.heard = now
+        if self.allowance < 0.0:
+            raise TooFast(f"more than {FRAMES_PER_SECOND:g} frames a second")
+
+
+class Operator:
+    """The lease, the stop, and the way every command takes to the clock. Methods answer why not, or '' when it was done."""
+
+    def __init__(self, clock: WalkingClock) -> None:
+        self._clock, self._now = clock, clock.now
+        self._holder: Seat | None = None
+        self._rest_until = 0.0
+        self.stopped = False
+        self.revision = 0  # a new one means: tell everybody who drives
+        self.refusals = 0
+
+    def sit(self, name: str) -> Seat:
+        """A place for a new socket."""
+        now = self._now()
+        return Seat(name, heard=now, counted=now)
+
+    def count(self, seat: Seat) -> None:
+        """One more frame from a socket; raises ``TooFast``."""
+        seat.count(self._now())
+
+    def leave(self, seat: Seat) -> None:
+        """A socket closed: if it drove, the machine holds at once."""
+        if self._holder is seat:
+            self._let_go()
+
+    @property
+    def holder(self) -> str | None:
+        """Who drives: a socket's name, ``rest``, or nobody."""
+        now = self._now()
+        if self._holder is not None and now - self._holder.heard > LEASE_IDLE:
+            self._let_go()
+        if self._holder is not None:
+            return self._holder.name
+        return REST if now < self._rest_until else None
+
+    def holds(self, seat: Seat) -> bool:
+        return self.holder is not None and self._holder is seat
+
+    def hear(self, seat: Seat, frame: Frame) -> str:
+        """Do what a frame asks, or say why not."""
+        if isinstance(frame, DriveFrame):
+            why = self._drive(seat, frame)
+        elif isinstance(frame, TakeFrame):
+            why = self._take(seat)
+        elif isinstance(frame, ReleaseFrame):
+            why = self._release(seat)
+        elif isinstance(frame, StopFrame):
+            why = self.stop()
+        else:
+            why = self._rearm(seat)
+        self.refusals += bool(why)
+        return why
+
+    def _drive(self, seat: Seat, frame: DriveFrame) -> str:
+        now = self._now()
+        command = frame.command()
+        if frame.seq <= seat.sequence:
+            return f"out of order: {frame.seq} after {seat.sequence}"
+        seat.sequence = frame.seq
+        age = self._clock.age_of(frame.echo_tick)
+        if age is None:
+            return f"echo_tick {frame.echo_tick} has not been shown yet"
+        if seat.moving and now - seat.driven > DEAD_MAN:
+            seat.moving, seat.must_centre = False, True
+        if age > DEAD_MAN:
+            seat.must_centre = seat.must_centre or not command.holds
+            return f"stale: the picture of tick {frame.echo_tick} is {min(age, 999.0):.1f} s old"
+        seat.centred = command.holds
+        if command.holds:
+            seat.must_centre = False
+        return self._blocked_by(seat) or self._obey(seat, command, now)
+
+    def _blocked_by(self, seat: Seat) -> str:
+        holder = self.holder
+        if holder is not None and self._holder is not seat:
+            return f"{holder} is driving"
+        if self.stopped:
+            return "" if seat.centred else STOPPED
+        return CENTRE_FIRST if seat.must_centre else ""
+
+    def _obey(self, seat: Seat, command: Command, now: float) -> str:
+        if self._holder is not seat:
+            self._holder = seat
+            self.revision += 1
+        seat.driven, seat.moving = now, not command.holds
+        self._clock.order(command, DEAD_MAN)
+        return ""
+
+    def _take(self, seat: Seat) -> str:
+        if self._holder is not seat:
+            self._let_go()
+            self._holder = seat
+            seat.moving, seat.must_centre = False, not seat.centred
+        return ""
+
+    def _release(self, seat: Seat) -> str:
+        seat.centred, seat.must_centre, seat.moving = True, False, False
+        if self._holder is seat:
+            self._let_go()
+        return ""
+
+    def _let_go(self) -> None:
+        """The machine holds; the lease is free, and a stick left pressed moves nothing later."""
+        self._clock.order(HOLD)
+        if self._holder is not None:
+            self._holder.must_centre, self._holder.moving = not self._holder.centred, False
+        self._holder, self._rest_until = None, 0.0
+        self.revision += 1
+
+    def stop(self) -> str:
+        """Anybody; the machine holds from the next tick on, until ``rearm``."""
+        self._clock.order(HOLD)
+        if not self.stopped:
+            self.stopped = True
+            self.revision += 1
+        return ""
+
+    def _rearm(self, seat: Seat) -> str:
+        if self._holder is not seat:
+            return f"{self.holder} is driving" if self.holder else TAKE_FIRST
+        if not seat.centred:
+            return CENTRE_FIRST
+        return self._end_stop()
+
+    def rearm(self) -> str:
+        """By REST: only while no socket drives."""
+        return f"{self._holder.name} is driving" if self.holder and self._holder else self._end_stop()
+
+    def _end_stop(self) -> str:
+        if self.stopped:
+            self.stopped = False
+            self.revision += 1
+        return ""
+
+    def command(self, command: Command, ttl: float) -> str:
+        """By REST: while no socket drives; the next one waits until this has lapsed."""
+        now = self._now()
+        if self.holder is not None and self._holder is not None:
+            why = f"{self._holder.name} is driving"
+        elif self.stopped and not command.holds:
+            why = "stopped: rearm first"
+        else:
+            why = ""
+            self._rest_until = 0.0 if command.holds else now + ttl
+            self._clock.order(command, ttl)
+        self.refusals += bool(why)
+        return why
+
+    def hold(self) -> None:
+        """The machine holds and whoever drives must let go of the stick first: another world, another rate, the end."""
+        if self._holder is not None:
+            self._holder.must_centre, self._holder.moving = not self._holder.centred, False
+        self._rest_until = 0.0
+        self._clock.order(HOLD)
+
+

@@ -1,0 +1,49 @@
+"""A small world for every test: flat ground, a clock whose beats and whose time the test makes, the app in process."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from fastapi.testclient import TestClient
+
+from server.app import Settings, create_app
+from server.clock import WalkingClock
+from server.console import Console, World, prepare
+from sim.scenarios import load_scenario
+
+HERE = "http://127.0.0.1:8000"
+
+
+class Watch:
+    """Wall time that passes when the test says so."""
+
+    def __init__(self) -> None:
+        self.time = 1000.0
+
+    def __call__(self) -> float:
+        return self.time
+
+    def wait(self, seconds: float) -> None:
+        self.time += seconds
+
+
+@pytest.fixture(scope="session")
+def flat() -> World:
+    return prepare(load_scenario("flat"))
+
+
+@pytest.fixture
+def watch() -> Watch:
+    return Watch()
+
+
+@pytest.fixture
+def clock(flat: World, watch: Watch) -> WalkingClock:
+    """Not started: each ``beat`` is the test's."""
+    return WalkingClock(Console(flat), watch)
+
+
+@pytest.fixture
+def client(clock: WalkingClock, tmp_path: Path) -> Iterator[TestClient]:
+    with TestClient(create_app(clock, Settings(data=tmp_path)), base_url=HERE) as client:
+        yield client
