@@ -265,7 +265,8 @@ class Scenario(_Table):
         x, y, yaw = self.start_pose
         if self.trace is not None:
             return _around(x, y, self.trace.reach())
-        return _driven(self.drive, x, y, yaw, self.time_limit, self.end.distance or math.inf, self._fastest(machine) if machine else math.inf)
+        fastest = self._fastest(machine) if machine else math.inf
+        return _driven(self.drive, x, y, yaw, self.time_limit, self.end.distance or math.inf, fastest)
 
     def _fastest(self, machine: Machine) -> float:
         """m/s no gait of this machine exceeds: a leg must return in (1-β)T what the body walked in βT, three stand at any time."""
@@ -372,7 +373,7 @@ def _read(path: Path, given: str) -> str:
 def _parse(text: str, name: str) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+    except (ValueError, RecursionError) as error:  # TOMLDecodeError, and integers of thousands of digits
         raise ScenarioError(f"scenario {name!r} is not valid TOML: {error}") from None
 
 
@@ -419,7 +420,7 @@ def _value(text: str) -> Any:
     """A TOML value, or the text itself when it is none."""
     try:
         parsed = tomllib.loads(f"value = {text}")
-    except (tomllib.TOMLDecodeError, RecursionError):
+    except (ValueError, RecursionError):
         return text
     value = parsed["value"]
     return value if len(parsed) == 1 and isinstance(value, str | bool | int | float | list | dict) else text
