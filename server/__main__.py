@@ -17,7 +17,8 @@ from rich.table import Table
 
 from planner.machine import MachineError, load_machine, machine_names
 from sim.ground import GroundError
-from sim.scenarios import ScenarioError, list_scenarios, list_terrains, load_scenario
+from sim.scenarios import ScenarioError, list_scenarios, load_scenario
+from sim.terrains import list_terrains
 
 BAD_INPUT = 2
 

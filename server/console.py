@@ -25,7 +25,7 @@ from planner.terrain import TerrainMap, classify
 from planner.vocabulary import Blocked, Command, Gait, Mode, Stance
 from planner.walk import DT, Think, Thinking, Walk
 from sim.ground import Ground, make_ground
-from sim.robot import Plant
+from sim.robot import Noise, Plant
 from sim.scenarios import Scenario
 from sim.snapshot import Snapshot, TerrainView
 
@@ -49,23 +49,17 @@ class World:
 def prepare(scenario: Scenario, machine: Machine | None = None) -> World:
     """Make a scenario's world; raises ``MachineError``, ``GroundError`` or ``ScenarioError`` with one clear line."""
     machine = machine or load_machine(scenario.robot, scenario.base)
-    gait = gait_of(scenario, machine)
+    gait = scenario.gait_for(machine)
     first = first_crab_angle(scenario)
-    start = (scenario.start.x, scenario.start.y, math.radians(scenario.start.yaw_deg))
+    start = scenario.start_pose
     posture = standard_stance(machine, gait, first, *start, lambda x, y: 0.0)
     ground = make_ground(
-        scenario.terrain, machine, start, scenario.seed, scenario.span(), scenario.base, stand=[foot[:2] for foot in posture.feet]
+        scenario.terrain, machine, start, scenario.seed, scenario.span(machine), scenario.base, stand=[foot[:2] for foot in posture.feet]
     )
     forbidden = true_forbidden(ground, machine)
     belief = TerrainMap(ground.heights, forbidden, ground.cell, ground.origin, machine.foot_radius)
     stance = standard_stance(machine, gait, first, *start, ground.height_at)
     return World(scenario, machine, gait, ground, belief, forbidden, stance)
-
-
-def gait_of(scenario: Scenario, machine: Machine) -> Gait:
-    """The robot file's gait with the scenario's overrides."""
-    chosen = {key: value for key, value in scenario.gait.model_dump().items() if value is not None}
-    return replace(Gait(machine.duty_factor, machine.lift_up, machine.lift_down, machine.height), **chosen)
 
 
 def first_crab_angle(scenario: Scenario) -> float:
@@ -127,7 +121,8 @@ class Console:
         self.ground = world.ground
         self.belief = world.belief
         self.true_forbidden = world.forbidden
-        noise = world.scenario.noise
+        wanted = world.scenario.noise
+        noise = None if wanted is None else Noise(wanted.position, wanted.posture)
         self.plant = Plant(world.machine, world.ground, world.stance, noise=noise, rng=np.random.default_rng(world.scenario.seed))
         self.walk = Walk(world.machine, world.gait, world.stance, self._thinker(world), Gains())
         self.command = HOLD
@@ -290,7 +285,7 @@ class Console:
             ready=walk.ready,
             terrain=self.terrain_view(),
             flags=walk.flags,
-            whiskers=plant.whiskers,
+            whiskers=tuple(plant.whiskers),
             paused=paused,
             rate=rate,
             late=late,

@@ -18,7 +18,6 @@ from sim.scenarios import Scenario, scenario_from
 from .console import DT, Console, World, prepare
 from .recording import MODES, SCHEMA, Recorder, input_from
 
-TIME_LIMIT = 600.0  # s of simulated time when the scenario sets none
 BLOCKED_LIMIT = 10.0  # s
 PROGRESS_TICKS = 250
 
@@ -31,13 +30,7 @@ class RunError(ValueError):
 
 def timeline(scenario: Scenario) -> list[tuple[int, Command]]:
     """The drive entries as (tick, command), in order; with none, hold."""
-    return [
-        (
-            round(entry.t / DT),
-            Command(math.radians(entry.crab_angle_deg), entry.speed, math.radians(entry.turn_rate_deg_s)),
-        )
-        for entry in scenario.drive
-    ]
+    return [(round(entry.t / DT), entry.command()) for entry in scenario.drive]
 
 
 def run(
@@ -61,7 +54,7 @@ def _walk_to_end(console: Console, recorder: Recorder, scenario: Scenario, progr
     orders = timeline(scenario)
     last_order = orders[-1][0] if orders else 0
     time_end, distance_end = scenario.end.time, scenario.end.distance
-    ticks_max = round((TIME_LIMIT if time_end is None else time_end) / DT)
+    ticks_max = round(scenario.time_limit / DT)
     blocked_ticks, next_order = 0, 0
     tick, note, plant = console.tick, recorder.note, console.plant
     for index in range(ticks_max):

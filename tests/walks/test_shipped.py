@@ -1,0 +1,25 @@
+"""Every shipped scenario walks as its own file expects, and what is always true holds on every ground."""
+
+import pytest
+
+from server.headless import succeeded
+from sim.scenarios import load_scenario, scenario_names
+
+from .telling import assert_always_true, walked
+
+CRAB = [name for name in scenario_names() if load_scenario(name).planner == "crab"]
+
+
+@pytest.mark.parametrize("name", CRAB)
+def test_the_scenario_keeps_what_its_file_expects(tmp_path, name):
+    walk = walked(tmp_path, name)
+    assert_always_true(walk)
+    assert succeeded(walk.summary), (walk.summary["result"], walk.summary["reason"], walk.summary["expect"])
+
+
+def test_dem_is_a_walk_over_real_relief_in_three_directions(tmp_path):
+    walk = walked(tmp_path, "dem")
+    assert walk.summary["distance"] >= 15.0
+    assert len({round(angle, 6) for angle in walk.log["command"][:, 0]}) >= 3
+    stood = walk.log["feet"][..., 2][walk.log["contact"]]
+    assert stood.max() - stood.min() >= 0.15
