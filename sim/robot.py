@@ -25,9 +25,10 @@ from planner.vocabulary import Point, Sensing, Stance
 from .contact import OVER, World
 from .ground import Ground
 from .posture import Rest, Rotation, about, after, angles, attitude, lean, nearest_inside, plane_fit, rest, rotation, turned, unturned
-from .topple import DROP_MAX, FALL_TILT, Edge, Fall, angular_acceleration, edge_of
+from .topple import DROP_MAX, FALL_TILT, Edge, Fall, angular_acceleration, carried_over, edge_of, passed_on
 
 TICK = 0.02  # s
+TOUCH = 1e-6  # m; a moving foot this near the ground has come down: nearer than that a servo could not take it in time
 SOLE_GAP = 0.001  # m; a sole this near the ground is on: what it gives under load
 STEP_UP = 0.01  # m; a foot moving sideways rides up this much, a taller riser stops it
 SAME = 1e-10  # m a tick; foot motions this near each other are one motion of the body
@@ -256,7 +257,7 @@ class Plant:
             elif self.whiskers[leg]:
                 self.whiskers[leg] = 0
             height = self.ground.height_at(x, y)
-            if z - height > SOLE_GAP or height != height:
+            if z - height > TOUCH or height != height:
                 self.soles[leg] = self.slipping[leg] = False
                 position[0], position[1], position[2] = px, py, pz
                 foot[0], foot[1], foot[2] = x, y, z
@@ -280,7 +281,7 @@ class Plant:
         foot, was_on = self.feet[leg], self.soles[leg]
         if height - foot[2] > STEP_UP:
             (x, y), height = self._stop_at_riser(leg, x, y)
-        self.soles[leg] = z - height <= SOLE_GAP
+        self.soles[leg] = z - height <= TOUCH
         stays = abs(x - foot[0]) < STIFF and abs(y - foot[1]) < STIFF
         self.slipping[leg] = was_on and self.soles[leg] and not stays
         joined = was_on and self.soles[leg] and stays and abs(z - foot[2]) < STIFF
@@ -579,16 +580,19 @@ class Plant:
         edge = fall.edge
         self._carry = sorted({*touching, *(edge.legs if edge else ())})
         x, y = self._load_point()
+        feet = {leg: self.feet[leg] for leg in self._carry}
         if self._holds(x, y):
-            self.state, self._fall = "standing", None
-            self._measure()
+            over = carried_over(self.machine, edge, fall.rate, feet, self.body) if edge else None
+            if over is None:
+                self.state, self._fall = "standing", None
+                self._measure()
+            else:
+                self._fall = over
         else:
-            fall.edge = new = edge_of({leg: self.feet[leg] for leg in self._carry}, x, y)
-            if edge is None or new is None:
-                fall.rate = 0.0
-            elif new.legs != edge.legs:
-                fall.rate = max(0.0, fall.rate * sum(a * b for a, b in zip(edge.axis, new.axis, strict=True)))
-            fall.sink = 0.0
+            new = edge_of(feet, x, y)
+            if edge is None or new is None or new.legs != edge.legs:
+                fall.rate = passed_on(edge, new, fall.rate)
+            fall.edge, fall.sink = new, 0.0
         self._stand()
 
 
