@@ -87,8 +87,10 @@ class Ground:
 
     def height_at(self, x: float, y: float) -> float:
         """Height of the cell that contains the point, m; NaN over a hole and outside the map."""
-        flat = self.index(x, y)
-        return math.nan if flat < 0 else self.height_view[flat]
+        column, row = math.floor((x - self.origin[0]) / self.cell), math.floor((y - self.origin[1]) / self.cell)
+        if 0 <= column < self.columns and 0 <= row < self.rows:
+            return self.height_view[row * self.columns + column]
+        return math.nan
 
     def cell_at(self, x: float, y: float) -> tuple[int, int] | None:
         """(row, column) of the cell under (x, y), None outside the map."""

@@ -75,85 +75,100 @@ class Drive(_Table):
 
 
 class _Trace(_Table):
+    """What ``planner/trace/curve.py`` draws; begins at the start pose, positive angles are to the left."""
+
     yaw: Literal["tangent", "fixed"] = "tangent"
     speed: float = Field(default=0.1, gt=0.0, le=10.0)  # m/s along the trace
 
-    def reach(self) -> float:
-        """Metres the trace leads away from the start, at most."""
-        raise NotImplementedError
+    def outline(self) -> list[tuple[float, float]]:
+        """Points, in axes of the start pose, whose hull the trace does not leave."""
+        return [(0.0, 0.0)]
 
 
 class Waypoints(_Trace):
-    """Through given poses."""
+    """A smooth curve through given poses."""
 
     kind: Literal["waypoints"]
-    waypoints: list[Annotated[list[Place], Field(min_length=3, max_length=3)]] = Field(min_length=2, max_length=1000)  # x m, y m, yaw deg
+    waypoints: list[Annotated[list[Place], Field(min_length=2, max_length=3)]] = Field(min_length=2, max_length=1000)  # x m, y m, yaw deg
 
-    def reach(self) -> float:
-        x, y = self.waypoints[0][:2]
-        return max(math.hypot(point[0] - x, point[1] - y) for point in self.waypoints)
+    def outline(self) -> list[tuple[float, float]]:
+        xs, ys = [0.0, *(point[0] for point in self.waypoints)], [0.0, *(point[1] for point in self.waypoints)]
+        swing = max(max(xs) - min(xs), max(ys) - min(ys)) / 4  # a spline swings out beyond its points
+        return [(x, y) for x in (min(xs) - swing, max(xs) + swing) for y in (min(ys) - swing, max(ys) + swing)]
 
 
 class Line(_Trace):
-    """Straight on, or sideways."""
+    """Straight on, or in another direction without turning."""
 
     kind: Literal["line"]
-    distance: float = Field(default=8.0, gt=0.0, le=1000.0)  # m
-    angle_deg: Degrees = 0.0
+    yaw: Literal["tangent", "fixed"] = "fixed"
+    length: float = Field(default=5.0, ge=0.1, le=1000.0)  # m
+    direction_deg: float = Field(default=0.0, ge=-180.0, le=180.0)
 
-    def reach(self) -> float:
-        return self.distance
+    def outline(self) -> list[tuple[float, float]]:
+        direction = 0.0 if self.yaw == "tangent" else math.radians(self.direction_deg)
+        return [(0.0, 0.0), (self.length * math.cos(direction), self.length * math.sin(direction))]
+
+
+class Sideways(Line):
+    """Straight to one side."""
+
+    kind: Literal["sideways"]  # type: ignore[assignment]
+    length: float = Field(default=3.0, ge=0.1, le=1000.0)  # m
+    direction_deg: float = Field(default=90.0, ge=-180.0, le=180.0)
 
 
 class Circle(_Trace):
-    """Round a circle, to the left when ``turn_deg`` is positive."""
+    """Round a circle."""
 
     kind: Literal["circle"]
-    radius: float = Field(default=2.0, gt=0.0, le=100.0)  # m
-    turn_deg: float = Field(default=360.0, ge=-3600.0, le=3600.0)
+    radius: float = Field(default=1.5, ge=0.05, le=100.0)  # m
+    angle_deg: float = Field(default=360.0, ge=-3600.0, le=3600.0)
 
-    def reach(self) -> float:
-        return 2 * self.radius
+    def outline(self) -> list[tuple[float, float]]:
+        return _square(2 * self.radius)
 
 
 class Sine(_Trace):
     """y = amplitude * sin(x / length)."""
 
     kind: Literal["sine"]
-    amplitude: float = Field(default=0.6, ge=0.0, le=100.0)  # m
-    length: float = Field(default=1.0, gt=0.0, le=100.0)  # m
-    distance: float = Field(default=8.0, gt=0.0, le=1000.0)  # m along x
+    yaw: Literal["tangent", "fixed"] = "fixed"
+    amplitude: float = Field(default=0.6, ge=-100.0, le=100.0)  # m
+    length: float = Field(default=1.0, ge=0.1, le=100.0)  # m
+    distance: float = Field(default=8.0, ge=0.1, le=1000.0)  # m along x
 
-    def reach(self) -> float:
-        return self.distance + self.amplitude
+    def outline(self) -> list[tuple[float, float]]:
+        turn = math.atan(self.amplitude / self.length) if self.yaw == "tangent" else 0.0  # then it begins straight ahead
+        c, s = math.cos(turn), math.sin(turn)
+        corners = [(x, y) for x in (0.0, self.distance) for y in (-self.amplitude, self.amplitude)]
+        return [(c * x + s * y, c * y - s * x) for x, y in corners]
 
 
 class Spiral(_Trace):
-    """A circle whose radius grows or shrinks evenly with the angle."""
+    """A curve whose radius goes evenly from one value to another."""
 
     kind: Literal["spiral"]
-    radius: float = Field(default=1.0, gt=0.0, le=100.0)  # m, at the start
-    radius_end: float = Field(default=3.0, gt=0.0, le=100.0)  # m
-    turn_deg: float = Field(default=720.0, ge=-3600.0, le=3600.0)
+    radius: float = Field(default=2.0, ge=0.05, le=100.0)  # m, at the start
+    radius_end: float = Field(default=0.8, ge=0.05, le=100.0)  # m
+    angle_deg: float = Field(default=540.0, ge=-3600.0, le=3600.0)
 
-    def reach(self) -> float:
-        return 2 * max(self.radius, self.radius_end)
+    def outline(self) -> list[tuple[float, float]]:
+        return _square(2 * max(self.radius, self.radius_end))  # it stays inside its widest circle of curvature
 
 
 class Turn(_Trace):
     """On the spot."""
 
     kind: Literal["turn"]
-    turn_deg: float = Field(default=360.0, ge=-3600.0, le=3600.0)
-
-    def reach(self) -> float:
-        return 0.0
+    angle_deg: float = Field(default=360.0, ge=-3600.0, le=3600.0)
 
 
-Trace = Annotated[Waypoints | Line | Circle | Sine | Spiral | Turn, Field(discriminator="kind")]
+Trace = Annotated[Waypoints | Line | Sideways | Circle | Sine | Spiral | Turn, Field(discriminator="kind")]
 TRACES: dict[str, type[_Trace]] = {
     "waypoints": Waypoints,
     "line": Line,
+    "sideways": Sideways,
     "circle": Circle,
     "sine": Sine,
     "spiral": Spiral,
@@ -264,7 +279,9 @@ class Scenario(_Table):
         """
         x, y, yaw = self.start_pose
         if self.trace is not None:
-            return _around(x, y, self.trace.reach())
+            c, d = math.cos(yaw), math.sin(yaw)
+            points = [(x + c * px - d * py, y + d * px + c * py) for px, py in self.trace.outline()]
+            return min(p[0] for p in points), max(p[0] for p in points), min(p[1] for p in points), max(p[1] for p in points)
         fastest = self._fastest(machine) if machine else math.inf
         return _driven(self.drive, x, y, yaw, self.time_limit, self.end.distance or math.inf, fastest)
 
@@ -278,8 +295,8 @@ class Scenario(_Table):
         return self.model_dump(exclude_none=True)
 
 
-def _around(x: float, y: float, reach: float) -> Box:
-    return x - reach, x + reach, y - reach, y + reach
+def _square(reach: float) -> list[tuple[float, float]]:
+    return [(x, y) for x in (-reach, reach) for y in (-reach, reach)]
 
 
 def _driven(drive: Sequence[Drive], x: float, y: float, yaw: float, time: float, distance: float, fastest: float) -> Box:

@@ -181,7 +181,7 @@ class Stairs(Generated):
 
     def obstacles(self, site: Site) -> tuple[Obstacle, ...]:
         edges = self._edges()
-        far = max(abs(v) for v in site.bounds) * 2 + 1.0
+        far = math.hypot(max(abs(v) for v in site.bounds[:2]), max(abs(v) for v in site.bounds[2:]))  # beyond the map whatever the heading
         places = [-far, *(edge for edge, _ in edges), far]
         tops = [0.0]
         for _, rise in edges:
