@@ -34,7 +34,7 @@ def plan_step(
     ahead = Ahead(standard, posture, stance, terrain, machine, gait)
     step = decide(standard, posture, ground_of(terrain), None if ahead.is_level else ahead.refuses, notes)
     if step is None:
-        return Blocked("no leg can swing and find a foothold", _first_leg(notes), notes)
+        return _blocked(standard, posture, terrain, ahead, notes)
     height = ahead.height_after(step.leg, step.g, step.landing)
     needs = ahead.torso_needs(step.g, height)
     if needs > height:
@@ -45,8 +45,16 @@ def plan_step(
     return build(standard, posture, stance, step, height, ahead, command, machine, gait, notes)
 
 
-def _first_leg(notes: Notes | None) -> int | None:
-    return notes["legs"][0]["leg"] - 1 if notes and notes.get("legs") else None
+def _blocked(standard: Standard, posture: Posture, terrain: TerrainMap, ahead: Ahead, notes: Notes | None) -> Blocked:
+    """No leg is left: say of each what failed, in the order they were tried."""
+    if notes is None:  # ask again, this time for the reasons
+        tried: Notes = {}
+        decide(standard, posture, ground_of(terrain), None if ahead.is_level else ahead.refuses, tried)
+    else:
+        tried = notes
+    legs = tried["legs"]
+    reasons = "; ".join(f"leg {trial['leg']}: {trial['reason']}" for trial in legs)
+    return Blocked(f"no leg can take a step: {reasons}", legs[0]["leg"] - 1, notes)
 
 
 class Ahead:
@@ -79,9 +87,9 @@ class Ahead:
         heights[leg] = self.ground_at(landing)
         return height_range(self.machine, heights)[1]
 
-    def refuses(self, leg: int, shift: Shift, landing: Landing) -> str | None:
+    def refuses(self, shift: Shift, landing: Landing) -> str | None:
         """Why a foothold cannot be used for its height; None when it can."""
-        z = self.ground_at(landing)
+        leg, z = shift.leg, self.ground_at(landing)
         if z != z:
             return "no ground known there"
         heights = self.heights.copy()
@@ -146,7 +154,7 @@ def build(
         feet=paths,
         phases=tuple(phases),
         end=Stance((end_x, end_y, height, yaw), tuple(feet), leg, standard.quarter_turns, (), stance.course + step.g),
-        crab_angle=command.crab_angle,
+        crab_angle=standard.course,
         support_shift=step.g0,
         shift=step.g,
         standard_margin=standard.margin,

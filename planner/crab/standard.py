@@ -19,7 +19,8 @@ from ..support import XY
 from ..vocabulary import Gait, Point, Stance
 
 QUARTER = math.pi / 2
-HYSTERESIS = 1e-3  # rad beyond α_c before the gait turns over; larger lets the CoG pass outside a foot: see it tip near 45°
+HYSTERESIS = 0.009  # rad (0.5°) beyond α_c before the gait turns over; smaller: see the legs regroup as the stick trembles near 45°
+TIE = 0.001  # rad; the course keeps this far from α_c, where the CoG would pass over a foot and no triangle can be entered
 AGREEMENT = 0.05  # of λ*; two legs standing closer than this to the standard layout agree with it
 LEAN = 0.02  # m; reach kept beyond the strokes for vertical lifting while the body moves; less and v_max collapses
 
@@ -43,7 +44,8 @@ class Standard:
 
     quarter_turns: int  # n of H table 1
     body_leg: tuple[int, ...]  # canonical leg -> leg of the machine
-    crab_angle: float  # folded α
+    crab_angle: float  # folded α, kept off the tie at α_c
+    course: float  # the crab angle that is walked, in body axes: the commanded one but for the tie
     ux: float  # cos α
     uy: float  # sin α
     duty_factor: float  # β
@@ -143,7 +145,8 @@ def standard_for(machine: Machine, gait: Gait, crab_angle: float, previous: int 
 @lru_cache(maxsize=512)
 def _standard(machine: Machine, duty_factor: float, crab_angle: float, previous: int) -> Standard:
     n = quarter_turns(machine, crab_angle, previous)
-    alpha = folded(crab_angle, n)
+    asked, widest = folded(crab_angle, n), _half_width(critical_angle(machine), n) - TIE
+    alpha = min(max(asked, -widest), widest)
     boxes, far_boxes = _canonical_boxes(machine, n)
     x_span, y_span = boxes[0][1] - boxes[0][0], boxes[0][3] - boxes[0][2]
     stride = stroke_length(x_span, y_span, alpha)
@@ -155,6 +158,7 @@ def _standard(machine: Machine, duty_factor: float, crab_angle: float, previous:
         quarter_turns=n,
         body_leg=tuple((leg + n) % 4 for leg in range(4)),
         crab_angle=alpha,
+        course=crab_angle + (alpha - asked),
         ux=ux,
         uy=uy,
         duty_factor=duty_factor,

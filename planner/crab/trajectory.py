@@ -106,7 +106,8 @@ def knots(
 ) -> tuple[list[Knot], list[Phase]]:
     """The step as knots and the phase of every stretch between them.
 
-    ``body`` at N_k and N_{k+1}. Up and down are vertical in the absolute frame; the return is eased against the body, so that the servo's own speed is what is bounded.
+    ``body`` at N_k and N_{k+1}. Up and down are vertical in the absolute frame; the return is eased against the body, so that the
+    servo's own speed is what is bounded.
     """
     (x0, y0, z0), (x1, y1, z1) = body
     dx, dy, dz = x1 - x0, y1 - y0, z1 - z0

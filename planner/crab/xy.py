@@ -7,7 +7,8 @@ lookahead rolls forward.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from itertools import chain
 from typing import Any, NamedTuple
 
 from ..course import line_exit
@@ -15,10 +16,11 @@ from ..support import XY, stable_interval, support_polygon
 from .landing import Ground, Landing, domain_of, landings
 from .standard import AGREEMENT, IS_FRONT, OTHERS, SUCCESSOR, Posture, Standard
 
+STILL = 1e-6  # m; less than this is no motion
 SLACK = 0.0005  # m; a CoG this far outside an edge still counts as inside (a margin counts from -1 mm)
 
 Notes = dict[str, Any]
-Accepts = Callable[[int, "Shift", Landing], str | None]
+Accepts = Callable[["Shift", Landing], str | None]
 
 
 class Shift(NamedTuple):
@@ -136,20 +138,69 @@ def decide(standard: Standard, posture: Posture, ground: Ground, accepts: Accept
     ``accepts`` may refuse a foothold for reasons that are not of the plane (height). ``notes`` collects what was tried.
     """
     exits = exits_of(standard, posture)
-    for leg, shift in leg_order(standard, posture, exits):
+    for leg, shift in chain(leg_order(standard, posture, exits), _once_more(standard, posture, exits)):
         trial = _note_leg(standard, posture, notes, leg, shift)
         if isinstance(shift, str):
             continue
-        for convergent in (True, False) if not IS_FRONT[leg] else (True,):
-            domain = domain_of(standard, posture.feet, exits, leg, shift.g, convergent)
-            for start, landing in landings(standard, posture, domain, exits, shift.g, ground, trial):
-                refusal = accepts(leg, shift, landing) if accepts is not None else None
-                if refusal is None:
-                    return Step(leg, shift.g0, shift.g, start, landing, planned_margin(standard, posture, shift), convergent)
-                _note_cell(trial, landing, refusal)
-        if trial is not None:
-            trial["reason"] = "no foothold in the search domain"
+        step = foothold_step(standard, posture, exits, shift, ground, accepts, trial)
+        if step is None:
+            _note_reason(trial, "no foothold in the search domain")
+        elif changes_nothing(posture, step):
+            _note_reason(trial, "the step would change nothing")
+        else:
+            return step
     return None
+
+
+def _once_more(standard: Standard, posture: Posture, exits: tuple[float, float, float, float]) -> Iterator[tuple[int, Shift | str]]:
+    """The leg that swung last, for when no other helps: what H reaches by a step of another leg that changes nothing."""
+    if posture.last >= 0:
+        yield posture.last, shift_of(standard, posture, exits, posture.last)
+
+
+def foothold_step(
+    standard: Standard,
+    posture: Posture,
+    exits: tuple[float, float, float, float],
+    shift: Shift,
+    ground: Ground,
+    accepts: Accepts | None = None,
+    trial: Notes | None = None,
+) -> Step | None:
+    """The step of one leg to its J_u: D_u with method II first, then without it; None when D_u has no foothold."""
+    for convergent in (True,) if IS_FRONT[shift.leg] else (True, False):
+        for step in steps_to(standard, posture, exits, shift, ground, convergent, trial):
+            refusal = accepts(shift, step.landing) if accepts is not None else None
+            if refusal is None:
+                return step
+            _note_cell(trial, step.landing, refusal)
+    return None
+
+
+def steps_to(
+    standard: Standard,
+    posture: Posture,
+    exits: tuple[float, float, float, float],
+    shift: Shift,
+    ground: Ground,
+    convergent: bool = True,
+    trial: Notes | None = None,
+) -> Iterator[Step]:
+    """Every step of one leg with one shift, to its footholds in the order of H §5.5: what a lookahead picks candidates from."""
+    leg, margin = shift.leg, planned_margin(standard, posture, shift)
+    domain = domain_of(standard, posture.feet, exits, leg, shift.g, convergent)
+    for start, landing in landings(standard, posture, domain, exits, shift.g, ground, trial):
+        yield Step(leg, shift.g0, shift.g, start, landing, margin, convergent)
+
+
+def changes_nothing(posture: Posture, step: Step) -> bool:
+    """True when the body would stay and the foot come down where it stands.
+
+    Not taking such steps is ours, not H's: with them, two legs take turns on the spot for ever (a tenth of random postures,
+    every long walk over 30 % blocked cells).
+    """
+    fx, fy = posture.feet[step.leg]
+    return step.g <= STILL and abs(step.landing.x - fx) <= STILL and abs(step.landing.y - fy) <= STILL
 
 
 def _note_leg(standard: Standard, posture: Posture, notes: Notes | None, leg: int, shift: Shift | str) -> Notes | None:
@@ -167,6 +218,11 @@ def _note_leg(standard: Standard, posture: Posture, notes: Notes | None, leg: in
         trial |= {"g0": shift.g0, "g": shift.g, "stable": [shift.low, shift.high]}
     notes.setdefault("legs", []).append(trial)
     return trial
+
+
+def _note_reason(trial: Notes | None, reason: str) -> None:
+    if trial is not None:
+        trial["reason"] = reason
 
 
 def _note_cell(trial: Notes | None, landing: Landing, reason: str) -> None:
