@@ -19,9 +19,10 @@ from planner.machine import load_machine
 from planner.reflex import Gains, Playback, ReflexState, reflex
 from planner.terrain import TerrainMap
 from planner.vocabulary import Blocked, Command, Gait, Sensing, Stance, StepPlan
+from planner.walk import DT
 from sim.scenarios import load_scenario
 
-from .console import DT, Console, prepare
+from .console import Console, prepare
 from .headless import product_version, run
 from .recording import Recorder
 

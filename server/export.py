@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import csv
+import itertools
 import json
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from planner.walk import DT
 
 from .headless import RunError, read_run, rerun
 
@@ -88,11 +91,24 @@ def _to_npz(directory: Path, summary: dict[str, Any], path: Path) -> None:
 
 
 def _to_html(directory: Path, summary: dict[str, Any], path: Path) -> None:
-    """One self-contained 3-D page: the run is walked again from its inputs and every frame drawn."""
-    from .canvas import recording_page
+    """One self-contained 3-D page: the run is walked again from its inputs and every drawn frame recorded."""
+    from web.scene import Scene
+
+    from .canvas import Canvas
 
     every = max(FRAME_TICKS, -(-int(summary["ticks"]) // FRAMES_MAX))
-    path.write_bytes(recording_page(_frames(directory, every), every * 0.02))
+    canvas = Canvas()
+    try:
+        scene, frames = Scene(canvas.server), _frames(directory, every)
+        for snapshot in itertools.islice(frames, 1):
+            scene.draw(snapshot)
+        recording = canvas.server.get_scene_serializer()
+        for snapshot in frames:
+            recording.insert_sleep(every * DT)
+            scene.draw(snapshot)
+        path.write_text(recording.as_html(dark_mode=True), "utf-8")
+    finally:
+        canvas.stop()
 
 
 def _frames(directory: Path, every: int) -> Iterator[Any]:
@@ -116,13 +132,13 @@ def _to_mcap(directory: Path, summary: dict[str, Any], path: Path) -> None:
         writer.start(profile="", library="walking-console")
         ticks, steps = (_channel(writer, topic) for topic in ("/tick", "/step"))
         for row in range(len(log["t"])):
-            at = int(round(float(log["t"][row]) * 1e9))
+            at = round(float(log["t"][row]) * 1e9)
             writer.add_message(ticks, at, json.dumps(_tick_message(log, row, names)).encode(), at)
         for line in (directory / "steps.jsonl").read_text("utf-8").splitlines():
-            at = int(json.loads(line)["tick"] * 20_000_000)
+            at = round(json.loads(line)["tick"] * DT * 1e9)
             writer.add_message(steps, at, line.encode(), at)
         writer.add_metadata("run", {key: str(summary[key]) for key in ("version", "result", "reason", "state_hash")})
-        writer.finish()
+        writer.finish()  # type: ignore[no-untyped-call]
 
 
 def _channel(writer: Any, topic: str) -> int:

@@ -13,9 +13,10 @@ import numpy as np
 
 from planner.machine import as_data, machine_from
 from planner.vocabulary import Command
+from planner.walk import DT
 from sim.scenarios import Scenario, scenario_from
 
-from .console import DT, Console, World, prepare
+from .console import Console, World, prepare
 from .recording import MODES, SCHEMA, Recorder, input_from
 
 BLOCKED_LIMIT = 10.0  # s

@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 
 from planner.vocabulary import Command, Mode, StepPlan
+from planner.walk import DT
 
-from .console import DT, Console, Edit, Load, Push, Reset
+from .console import Console, Edit, Load, Push, Reset
 
 SCHEMA = 1
 MODES = {mode.name.lower(): int(mode) for mode in Mode}
