@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from enum import IntFlag
 from functools import cached_property
 from typing import Any
 
@@ -33,11 +34,14 @@ class TerrainMap:
     cell: float
     origin: tuple[float, float]
     foot_radius: float = 0.03
+    known: NDArray[np.bool_] | None = None  # (ny, nx) seen or touched; None: all of it (heights elsewhere are supposed)
 
     def __post_init__(self) -> None:
         if self.heights.shape != self.forbidden.shape or self.heights.ndim != 2:
             raise ValueError(f"heights and forbidden must be one (ny, nx) shape, got {self.heights.shape} and {self.forbidden.shape}")
-        for name in ("heights", "forbidden"):
+        if self.known is not None and self.known.shape != self.heights.shape:
+            raise ValueError(f"known must have the shape of heights, {self.heights.shape}, got {self.known.shape}")
+        for name in ("heights", "forbidden") if self.known is None else ("heights", "forbidden", "known"):
             array = np.ascontiguousarray(getattr(self, name))
             array.setflags(write=False)
             object.__setattr__(self, name, array)
@@ -76,8 +80,7 @@ class TerrainMap:
     @cached_property
     def _crests(self) -> NDArray[np.float64]:
         """Highest ground within a foot radius of each cell; −inf over holes."""
-        solid = np.where(np.isnan(self.heights), -np.inf, self.heights)
-        return _spread_max(solid, math.ceil(self.foot_radius / self.cell))
+        return _spread_max(_solid(self.heights), math.ceil(self.foot_radius / self.cell))
 
     @cached_property
     def crest_view(self) -> memoryview:
@@ -142,6 +145,114 @@ class TerrainMap:
                 raise ValueError(f"cell ({row}, {column}) is outside the map of {self.rows} x {self.columns} cells")
             forbidden[row, column] = True
         return replace(self, forbidden=forbidden)
+
+    def patched(self, window: Window, heights: NDArray[np.float64], forbidden: NDArray[np.bool_], known: NDArray[np.bool_]) -> TerrainMap:
+        """A new map in which one rectangle of cells is replaced; what was worked out about the rest is kept."""
+        new_heights, new_forbidden = self.heights.copy(), self.forbidden.copy()
+        new_known = np.ones(self.heights.shape, dtype=bool) if self.known is None else self.known.copy()
+        new_heights[window], new_forbidden[window], new_known[window] = heights, forbidden, known
+        patched = replace(self, heights=new_heights, forbidden=new_forbidden, known=new_known)
+        if "_crests" in self.__dict__:
+            reach = math.ceil(self.foot_radius / self.cell)
+            outer, inner = grown(window, 2 * reach, self.heights.shape), grown(window, reach, self.heights.shape)
+            crests = self._crests.copy()
+            crests[inner] = _spread_max(_solid(new_heights[outer]), reach)[within(inner, outer)]
+            patched.__dict__["_crests"] = crests
+        return patched
+
+
+Window = tuple[slice, slice]  # rows and columns of a rectangle of cells
+
+
+def grown(window: Window, by: int, shape: tuple[int, ...]) -> Window:
+    """The rectangle with ``by`` more cells on every side, as far as the map goes."""
+    rows, columns = (slice(max(0, side.start - by), min(size, side.stop + by)) for side, size in zip(window, shape, strict=True))
+    return rows, columns
+
+
+def within(inner: Window, outer: Window) -> Window:
+    """Where a rectangle of the map lies in an array cut out by a larger one."""
+    rows, columns = (slice(a.start - b.start, a.stop - b.start) for a, b in zip(inner, outer, strict=True))
+    return rows, columns
+
+
+def _solid(heights: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.where(np.isnan(heights), -np.inf, heights)
+
+
+class Kind(IntFlag):
+    """What a cell is to one machine (H §2.3): the classes of HP-type ground."""
+
+    O = 0  # noqa: E741  the paper's letter: walkable
+    H = 1  # no ground, ground too steep, or no flat patch of foot size
+    P = 2  # taller than it can step on
+    HP = 3  # both: the rim of something tall
+
+
+def kinds(
+    heights: NDArray[np.float64], known: NDArray[np.bool_], cell: float, machine: Machine, final: bool = False
+) -> NDArray[np.uint8]:
+    """G-type heights to the ``Kind`` of every cell, from the known cells alone; unknown ones are O and hide nothing.
+
+    Where all is known this is ``classify``, told by kind. ``final``: only the cell under the foot tip counts, H are the holes.
+    """
+    holes = known & np.isnan(heights)
+    if final:
+        return holes.astype(np.uint8)
+    solid = known & ~holes
+    reach = _foot_cells(machine, cell)
+    high = _spread_max(np.where(solid, heights, -np.inf), reach)
+    low = -_spread_max(np.where(solid, -heights, -np.inf), reach)
+    rough = (high - low > RELIEF_MAX) | (_spread_max(holes.astype(np.float64), reach) > 0.0)
+    steep = _slope(heights, solid, cell) > math.tan(SLOPE_MAX)
+    tall = heights - _mean_around(np.where(solid, heights, np.nan), max(1, round(RISE_WINDOW / cell / 2))) > RISE_MAX
+    low_kinds = holes | (solid & (rough | steep))
+    return np.asarray(low_kinds * np.uint8(Kind.H) + (solid & tall) * np.uint8(Kind.P), dtype=np.uint8)
+
+
+def _slope(heights: NDArray[np.float64], solid: NDArray[np.bool_], cell: float) -> NDArray[np.float64]:
+    """Steepness between known neighbours: central where both are known, one-sided where one is, else 0."""
+    steepness, filled = np.zeros(heights.shape), np.where(solid, heights, 0.0)
+    for axis in (0, 1):
+        h, stands = np.moveaxis(filled, axis, 0), np.moveaxis(solid, axis, 0)
+        both = stands[1:] & stands[:-1]
+        rise = np.where(both, h[1:] - h[:-1], 0.0)
+        total, count = np.zeros(h.shape), np.zeros(h.shape)
+        for side in (slice(1, None), slice(None, -1)):
+            total[side] += rise
+            count[side] += both
+        steepness = np.hypot(steepness, np.moveaxis(total / np.maximum(count, 1.0) / cell, 0, axis))
+    return steepness
+
+
+def edge_distance(forbidden: NDArray[np.bool_], cell: float, limit: float) -> NDArray[np.float64]:
+    """How far the centre of each cell is from the nearest forbidden one's, m, up to ``limit``; 0 on forbidden ground."""
+    reach = max(1, math.floor(limit / cell))
+    along = np.where(forbidden, 0.0, math.inf)  # cells to the nearest in the same row
+    for shift in range(1, reach + 1):
+        along[:, shift:] = np.minimum(along[:, shift:], np.where(forbidden[:, :-shift], shift, math.inf))
+        along[:, :-shift] = np.minimum(along[:, :-shift], np.where(forbidden[:, shift:], shift, math.inf))
+    square = along * along
+    nearest = square.copy()
+    for shift in range(1, reach + 1):
+        nearest[shift:] = np.minimum(nearest[shift:], square[:-shift] + shift * shift)
+        nearest[:-shift] = np.minimum(nearest[:-shift], square[shift:] + shift * shift)
+    return np.asarray(np.minimum(np.sqrt(nearest) * cell, limit))
+
+
+def clearance(terrain: TerrainMap, body: tuple[float, float, float, float], torso: tuple[float, float, float]) -> float:
+    """Free height under the torso at x, y, z, yaw, m: negative where its box would be in the ground; inf over holes."""
+    x, y, z, yaw = body
+    length, width, height = torso
+    c, s = math.cos(yaw), math.sin(yaw)
+    along, across = (np.arange(-side / 2, side / 2 + terrain.cell, terrain.cell).clip(max=side / 2) for side in (length, width))
+    px = x + c * along[:, None] - s * across
+    py = y + s * along[:, None] + c * across
+    columns = np.floor((px - terrain.origin[0]) / terrain.cell).astype(np.intp)
+    rows = np.floor((py - terrain.origin[1]) / terrain.cell).astype(np.intp)
+    inside = (columns >= 0) & (columns < terrain.columns) & (rows >= 0) & (rows < terrain.rows)
+    top = _solid(terrain.heights[rows[inside], columns[inside]])
+    return z - height / 2 - float(top.max()) if top.size else math.inf
 
 
 def classify(heights: NDArray[np.float64], cell: float, machine: Machine) -> NDArray[np.bool_]:

@@ -1,0 +1,161 @@
+"""What the eye sees of the ground, and what the ground hides from it."""
+
+import math
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from planner.machine import load_machine
+from sim.eye import Eye, EyeSettings
+from sim.ground import Ground
+
+MACHINE = load_machine("titan3")
+CLEAR = {"noise": 0.0, "dropout": 0.0}
+STANDING = (0.0, 0.0, 0.85, 0.0, 0.0, 0.0)
+CELL = 0.05
+
+
+def level(size=16.0, cell=CELL):
+    count = round(size / cell)
+    return np.zeros((count, count))
+
+
+def ground_of(heights, cell=CELL):
+    return Ground(heights, cell, (-heights.shape[1] * cell / 2, -heights.shape[0] * cell / 2))
+
+
+def at(v, cell=CELL, size=16.0):
+    return round((v + size / 2) / cell)
+
+
+def eye_over(heights, seed=1, cell=CELL, **settings):
+    return Eye(MACHINE, ground_of(heights, cell), np.random.default_rng(seed), EyeSettings(**{**CLEAR, **settings}))
+
+
+def seen(eye, looks=12, body=STANDING, direction=0.0):
+    """Height of every cell after some looks, −inf where nothing was seen."""
+    found = np.full(eye.ground.heights.shape, -np.inf)
+    for _ in range(looks):
+        sight = eye.look(body, direction)
+        found[sight.rows, sight.columns] = sight.heights
+    return found
+
+
+def places(eye, found):
+    rows, columns = np.nonzero(found != -np.inf)
+    x, y = eye.ground.centre(rows, columns)
+    return np.asarray(x), np.asarray(y)
+
+
+def test_level_ground_ahead_is_seen_as_it_is_and_nowhere_else():
+    eye = eye_over(level())
+    found = seen(eye)
+    x, y = places(eye, found)
+    assert np.all(found[found != -np.inf] == 0.0)
+    assert x.min() > 0.5 and np.hypot(x - 0.2, y).max() <= 4.0
+    assert np.degrees(np.abs(np.arctan2(y, x - 0.2))).max() < 63.0
+    for px in np.arange(1.0, 2.0, 0.05):
+        assert found[at(0.01), at(px + 0.001)] == 0.0
+
+
+@pytest.mark.parametrize("yaw", [0.0, 1.0, -2.5])
+@pytest.mark.parametrize("direction", [0.0, math.pi / 2])
+def test_the_eye_turns_to_the_course(yaw, direction):
+    eye = eye_over(level())
+    x, y = places(eye, seen(eye, body=(0.0, 0.0, 0.85, 0.0, 0.0, yaw), direction=direction))
+    assert math.remainder(math.atan2(y.mean(), x.mean()) - yaw - direction, math.tau) == pytest.approx(0.0, abs=0.25)
+
+
+def test_a_fixed_eye_looks_along_the_torso():
+    eye = eye_over(level(), pans=False)
+    x, _ = places(eye, seen(eye, direction=math.pi))
+    assert x.min() > 0.5
+
+
+def test_a_wall_hides_what_is_behind_it():
+    heights = level()
+    heights[:, at(2.0) : at(2.2)] = 1.6  # taller than the eye
+    found = seen(eye_over(heights))
+    assert np.all(found[:, at(2.2) :] == -np.inf)
+    assert np.all(found[at(0.0), at(1.2) : at(1.9)] == 0.0)
+
+
+def test_of_a_wall_taller_than_the_eye_only_a_side_is_seen():
+    heights = level()
+    heights[:, at(2.0) : at(2.2)] = 3.0
+    eye = eye_over(heights)
+    sight = eye.look(STANDING)
+    wall = sight.columns == at(2.0)
+    assert wall.any() and sight.sides[wall].all()
+    assert np.all(sight.heights[wall] < 3.0)
+
+
+def test_a_block_is_seen_from_above_and_throws_a_shadow():
+    heights = level()
+    heights[at(-0.5) : at(0.5), at(2.0) : at(2.3)] = 0.4
+    found = seen(eye_over(heights))
+    assert np.all(found[at(-0.4) : at(0.4), at(2.05) : at(2.25)] == 0.4)
+    assert np.all(found[at(-0.2) : at(0.2), at(2.3) : at(2.7)] == -np.inf)  # eye 1.35 m up: the shadow is 0.9 m long
+
+
+def test_a_hole_is_looked_into_from_near_and_not_from_far():
+    heights = level()
+    heights[at(-0.05) : at(0.1), at(1.2) : at(1.35)] = np.nan
+    heights[at(-0.05) : at(0.1), at(3.6) : at(3.65)] = np.nan
+    found = seen(eye_over(heights), looks=30)
+    assert np.isnan(found[at(0.0), at(1.2) : at(1.35)]).sum() >= 2
+    assert np.all(found[at(-0.05) : at(0.1), at(3.6)] == -np.inf)
+
+
+def test_ground_below_an_edge_is_hidden_until_the_eye_comes_near():
+    heights = level()
+    heights[:, at(2.0) :] = -1.0
+    eye = eye_over(heights)
+    far = seen(eye)
+    near = seen(eye, body=(1.2, 0.0, 0.85, 0.0, 0.0, 0.0))
+    assert np.all(far[at(0.0), at(2.0) : at(2.8)] == -np.inf)
+    assert np.any(near[at(0.0), at(2.0) : at(2.8)] == -1.0)
+
+
+def test_what_is_seen_is_true_on_any_ground():
+    rng = np.random.default_rng(8)
+    heights = level()
+    y, x = np.indices(heights.shape) * CELL
+    heights += 0.15 * np.sin(3 * x) * np.cos(2 * y)
+    heights[rng.random(heights.shape) < 0.1] = np.nan
+    eye = eye_over(heights)
+    for _ in range(5):
+        sight = eye.look(STANDING, float(rng.uniform(-3, 3)))
+        truth = eye.ground.heights[sight.rows, sight.columns]
+        assert np.array_equal(np.isnan(sight.heights), np.isnan(truth))
+        assert np.array_equal(sight.heights[~sight.sides], truth[~sight.sides], equal_nan=True)
+        assert np.all(sight.heights[sight.sides] <= truth[sight.sides])
+        assert np.unique(sight.rows * 10_000 + sight.columns).size == sight.rows.size
+
+
+def test_noise_and_dropouts_are_as_set_and_repeatable():
+    one, other, third = (eye_over(level(), seed=seed, noise=0.01, dropout=0.5) for seed in (3, 3, 4))
+    a, b, c = one.look(STANDING), other.look(STANDING), third.look(STANDING)
+    assert all(np.array_equal(p, q) for p, q in zip(a, b, strict=True))
+    assert not np.array_equal(a.heights[:100], c.heights[:100])
+    assert a.heights.std() == pytest.approx(0.01, rel=0.1)
+    assert a.rows.size == pytest.approx(0.5 * eye_over(level()).look(STANDING).rows.size, rel=0.1)
+
+
+def test_a_nose_down_torso_sees_nearer():
+    eye = eye_over(level())
+    flat, down = (seen(eye, body=(0.0, 0.0, 0.85, 0.0, pitch, 0.0))[at(0.0)] for pitch in (0.0, 0.2))
+    assert np.argmax(down == 0.0) < np.argmax(flat == 0.0) - 3
+
+
+def test_the_edge_of_the_map_is_not_a_hole():
+    eye = eye_over(level(size=4.0))
+    sight = eye.look(STANDING)
+    assert sight.rows.size > 0 and not np.isnan(sight.heights).any()
+
+
+@pytest.mark.parametrize("wrong", [{"range": math.inf}, {"every": 0}, {"resolution_deg": [0.0, 1.0]}, {"colour": True}, {"dropout": 2.0}])
+def test_settings_that_cannot_be_are_refused(wrong):
+    with pytest.raises(ValidationError):
+        EyeSettings(**wrong)
