@@ -432,7 +432,8 @@ def list_terrains() -> tuple[tuple[str, str], ...]:
 
 def _one_line(model: type[Terrain]) -> str:
     words = (model.__doc__ or "").strip().splitlines()[0]
-    own = [name for name in model.model_fields if name not in Generated.model_fields]
+    shared = {name for name, field in Generated.model_fields.items() if field == model.model_fields.get(name)}
+    own = [name for name in model.model_fields if name not in shared | {"kind", "seed", "difficulty"}]
     return f"{words} ({', '.join(own)})" if own else words
 
 

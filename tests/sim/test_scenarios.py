@@ -13,6 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from planner.machine import load_machine
+from planner.trace.curve import KINDS as TRACE_KINDS
+from planner.trace.curve import trace_from
 from planner.vocabulary import Command
 from sim.ground import make_ground
 from sim.scenarios import (
@@ -104,7 +106,16 @@ def test_every_shipped_scenario_loads_has_a_title_and_its_ground_can_be_made(nam
 
 def test_the_elevation_walk_is_long_hilly_and_takes_three_directions() -> None:
     scenario = load_scenario("dem")
-    assert len({entry.crab_angle_deg for entry in scenario.drive}) == 3 and (scenario.end.distance or 0) >= 15.0
+    ground = make_ground(scenario.terrain, TITAN, scenario.start_pose, scenario.seed, scenario.span(TITAN))
+    x = y = walked = 0.0
+    heights, directions = [ground.height_at(x, y)], set()
+    while walked < (scenario.end.distance or 0.0):
+        entry = [entry for entry in scenario.drive if entry.t <= walked / scenario.drive[0].speed][-1]
+        angle = math.radians(entry.crab_angle_deg)
+        x, y, walked = x + 0.1 * math.cos(angle), y + 0.1 * math.sin(angle), walked + 0.1
+        heights.append(ground.height_at(x, y))
+        directions.add(entry.crab_angle_deg)
+    assert walked >= 15.0 and len(directions) == 3 and max(heights) - min(heights) >= 0.15
 
 
 def test_scenarios_are_listed_with_their_titles() -> None:
@@ -174,7 +185,7 @@ def test_unknown_names_are_answered_with_the_known_ones() -> None:
     assert "unknown key 'x' in expect; there are: distance_min" in refusal({"expect": {"x": 1}})
     assert "unknown key 'x' in noise; there are: position" in refusal({"noise": {"x": 1}})
     assert "unknown key 'x' in trace; there are: " in refusal({"planner": "trace", "trace": {"kind": "sine", "x": 1}})
-    assert "unknown trace kind 'cirle'; there are: waypoints, line, circle" in refusal({"planner": "trace", "trace": {"kind": "cirle"}})
+    assert "unknown trace kind 'cirle'; there are: waypoints, line, " in refusal({"planner": "trace", "trace": {"kind": "cirle"}})
     assert "unknown key 'tile'; there are: name, title" in refusal({"tile": "x"})
     assert "'crab' or 'trace', got 'goat'" in refusal({"planner": "goat"})
 
@@ -204,7 +215,7 @@ def test_numbers_are_numbers(bad: Any) -> None:
         ({"trace": {"kind": "sine"}}, 'needs planner = "trace"'),
         ({"planner": "trace", "trace": {"kind": "sine"}, "drive": [{}]}, "either"),
         ({"planner": "trace", "trace": {"kind": "waypoints"}}, "trace.waypoints is missing"),
-        ({"planner": "trace", "trace": {"kind": "waypoints", "waypoints": [[0, 0, 0], [1, 1]]}}, "trace.waypoints.1"),
+        ({"planner": "trace", "trace": {"kind": "waypoints", "waypoints": [[0, 0, 0], [1]]}}, "trace.waypoints.1"),
         ({"terrain": {"kind": "poles", "area": [1, 0, 0, 1]}}, "area must be"),
     ],
 )
@@ -374,8 +385,30 @@ def test_no_course_leaves_its_span_however_slowly_it_is_walked(entries: list[tup
             assert x_min - 0.02 <= x <= x_max + 0.02 and y_min - 0.02 <= y <= y_max + 0.02
 
 
-@pytest.mark.parametrize("kind", TRACES)
-def test_every_trace_says_how_far_it_leads(kind: str) -> None:
-    trace = {"kind": kind} | ({"waypoints": [[0, 0, 0], [2, 1, 45]]} if kind == "waypoints" else {})
-    x_min, x_max, y_min, y_max = scenario_from({"planner": "trace", "robot": "hexapod", "trace": trace}).span()
-    assert x_min <= 0.0 <= x_max and y_min <= 0.0 <= y_max and x_max - x_min < 30.0
+TRACE_SPECS = [
+    {"kind": "waypoints", "waypoints": [[0, 0, 0], [2, 1, 45], [1, 3], [4, 0, 0]]},
+    {"kind": "line", "length": 20, "direction_deg": 30},
+    {"kind": "line", "length": 20, "direction_deg": 30, "yaw": "tangent"},
+    {"kind": "sideways"},
+    {"kind": "circle", "angle_deg": -300},
+    {"kind": "sine", "amplitude": -0.6},
+    {"kind": "sine", "yaw": "tangent"},
+    {"kind": "spiral"},
+    {"kind": "spiral", "radius": 0.5, "radius_end": 2.0, "angle_deg": -700},
+    {"kind": "turn"},
+]
+
+
+@pytest.mark.parametrize("spec", TRACE_SPECS, ids=str)
+def test_no_trace_leaves_its_span(spec: dict[str, Any]) -> None:
+    scenario = scenario_from({"planner": "trace", "robot": "hexapod", "start": {"x": 1, "yaw_deg": 40}, "trace": spec})
+    assert scenario.trace is not None
+    drawn = trace_from(scenario.trace.model_dump(), 0.75, scenario.start_pose)
+    x_min, x_max, y_min, y_max = scenario.span()
+    assert x_min - 0.01 <= min(drawn.x) and max(drawn.x) <= x_max + 0.01
+    assert y_min - 0.01 <= min(drawn.y) and max(drawn.y) <= y_max + 0.01
+    assert x_max - x_min < 22.0
+
+
+def test_every_trace_kind_the_planner_draws_has_a_shape_here() -> None:
+    assert set(TRACES) == set(TRACE_KINDS)
