@@ -1,0 +1,190 @@
+"""The command line keeps the outside contract: exit codes, one clear line for bad input, run directories, replays."""
+
+from __future__ import annotations
+
+import json
+import socket
+import subprocess
+import sys
+from hashlib import blake2b
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from server.__main__ import app
+
+SHORT = ("--set", "end={time=4.0}", "--set", "expect={}")
+
+
+def called(*arguments):
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+@pytest.fixture(scope="module")
+def run_directory(tmp_path_factory):
+    out = tmp_path_factory.mktemp("runs") / "flat"
+    result = called("run", "flat", "--out", out, *SHORT)
+    assert result.exit_code == 0, result.output
+    return out
+
+
+def test_a_run_writes_the_whole_run_directory(run_directory):
+    names = {path.name for path in run_directory.iterdir()}
+    assert {"run.json", "ticks.npz", "steps.jsonl", "terrain.npz", "inputs.jsonl"} <= names
+    summary = json.loads((run_directory / "run.json").read_text())
+    assert summary["schema"] == 1
+    assert summary["result"] == "completed" and summary["reason"] == "time"
+    assert summary["ticks"] == 200 and summary["seconds"] == pytest.approx(4.0)
+    with np.load(run_directory / "ticks.npz", allow_pickle=False) as log:
+        assert {name: log[name].shape for name in log.files} == {
+            "t": (200,), "body": (200, 6), "feet": (200, 4, 3), "contact": (200, 4), "support": (200, 4), "margin": (200,),
+            "polygon_margin": (200,), "command": (200, 3), "step": (200,), "mode": (200,), "hash": (200,),
+        }  # fmt: skip
+        assert log["contact"].dtype == bool and log["step"].dtype == np.int32 and log["mode"].dtype == np.int8
+
+
+def test_anybody_can_compute_the_state_hash_from_the_log(run_directory):
+    summary = json.loads((run_directory / "run.json").read_text())
+    previous = bytes(8)
+    with np.load(run_directory / "ticks.npz", allow_pickle=False) as log:
+        for row in range(len(log["t"])):
+            floats = np.concatenate([log["body"][row], log["feet"][row].ravel(), log["command"][row]]) + 0.0
+            flags = np.concatenate([log["contact"][row], log["support"][row], [log["mode"][row]]]).astype(np.uint8)
+            previous = blake2b(previous + floats.astype("<f8").tobytes() + flags.tobytes(), digest_size=8).digest()
+            assert int.from_bytes(previous, "little") == int(log["hash"][row])
+    assert summary["state_hash"] == f"{int.from_bytes(previous, 'little'):016x}"
+
+
+def test_a_replay_is_equal_and_a_changed_input_is_found(run_directory, tmp_path):
+    assert called("replay", run_directory).exit_code == 0
+    copy = tmp_path / "copy"
+    copy.mkdir()
+    for path in run_directory.iterdir():
+        (copy / path.name).write_bytes(path.read_bytes())
+    changed = (copy / "inputs.jsonl").read_text().replace('"speed": 0.08', '"speed": 0.07')
+    (copy / "inputs.jsonl").write_text(changed)
+    result = called("replay", copy)
+    assert result.exit_code == 1
+    assert "differs" in result.output
+
+
+def test_a_run_refuses_a_full_directory_and_force_empties_a_run_directory(run_directory, tmp_path):
+    result = called("run", "flat", "--out", run_directory, *SHORT)
+    assert result.exit_code == 2 and "--force" in result.stderr
+    assert called("run", "flat", "--out", run_directory, "--force", *SHORT).exit_code == 0
+    (tmp_path / "precious.txt").write_text("mine")
+    assert called("run", "flat", "--out", tmp_path, "--force", *SHORT).exit_code == 2
+    assert (tmp_path / "precious.txt").exists()
+
+
+def test_an_expectation_that_fails_is_exit_1(tmp_path):
+    result = called("run", "flat", "--out", tmp_path / "r", "--set", "end={time=2.0}", "--set", "expect={distance_min=5.0}")
+    assert result.exit_code == 1
+    assert "FAIL" in result.output
+    assert json.loads((tmp_path / "r" / "run.json").read_text())["expect"]["distance_min"]["pass"] is False
+
+
+BAD = [
+    (("run", "flatt"), "unknown scenario 'flatt'; there are: "),
+    (("run", "flat", "--set", "robot=titan9"), "unknown robot 'titan9'; there are: "),
+    (("run", "flat", "--set", "terrain.kind=lava"), "lava"),
+    (("run", "flat", "--set", "gait.duty_factor=nan"), "duty_factor"),
+    (("run", "flat", "--set", "seed=inf"), "seed"),
+    (("run", "flat", "--set", "sped=1"), "sped"),
+    (("run", "flat", "--set", "robot=hexapod"), "four-legged"),
+    (("run", "flat", "--set", "no-equals-sign"), "KEY=VALUE"),
+    (("run", "flat", "--set", "drive.0.speed=true"), "speed"),
+    (("run", "flat", "--set", "drive.7.speed=0.1"), "drive"),
+    (("run", "nowhere.toml"), "nowhere.toml"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "said"), BAD, ids=[" ".join(case[0]) for case in BAD])
+def test_bad_input_is_one_clear_line_and_exit_2(tmp_path, arguments, said):
+    result = called(*arguments, "--out", tmp_path / "r")
+    assert result.exit_code == 2, result.output
+    assert said in result.stderr
+    assert len(result.stderr.strip().splitlines()) == 1
+    assert not (tmp_path / "r" / "run.json").exists()
+
+
+def test_malformed_toml_is_one_clear_line_and_exit_2(tmp_path):
+    (tmp_path / "bad.toml").write_text("title = [unclosed\n")
+    result = called("run", tmp_path / "bad.toml", "--out", tmp_path / "r")
+    assert result.exit_code == 2 and len(result.stderr.strip().splitlines()) == 1
+    assert "TOML" in result.stderr
+
+
+def test_a_heightmap_with_nan_is_one_clear_line_and_exit_2(tmp_path):
+    heights = np.zeros((200, 200))
+    heights[3, 4] = np.nan
+    np.save(tmp_path / "bad.npy", heights)
+    (tmp_path / "s.toml").write_text('[terrain]\nkind = "file"\nfile = "bad.npy"\ncell = 0.05\n[end]\ntime = 1.0\n')
+    result = called("run", tmp_path / "s.toml", "--out", tmp_path / "r")
+    assert result.exit_code == 2 and len(result.stderr.strip().splitlines()) == 1
+    assert "NaN" in result.stderr and "3" in result.stderr and "4" in result.stderr
+
+
+def test_a_port_in_use_is_one_clear_line_and_exit_2():
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        command = [sys.executable, "-m", "server", "--port", str(port), "--no-open"]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 2
+    assert str(port) in done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1
+
+
+@pytest.mark.parametrize(("listed", "known"), [("robots", "titan3"), ("terrains", "stepping_stones"), ("scenarios", "dem")])
+def test_what_can_be_named_is_listed_with_a_line_each(listed, known):
+    result = called(listed)
+    assert result.exit_code == 0
+    lines = {line.split()[0]: line for line in result.output.splitlines()}
+    assert known in lines
+    assert all(len(line.split()) >= 3 for line in lines.values())
+
+
+@pytest.mark.parametrize("form", ["csv", "npz", "mcap"])
+def test_a_log_is_written_in_another_form(run_directory, tmp_path, form):
+    out = tmp_path / f"log.{form}"
+    result = called("export", run_directory, "--to", form, "--out", out)
+    assert result.exit_code == 0, result.output
+    if form == "csv":
+        lines = out.read_text().splitlines()
+        assert len(lines) == 201
+        assert lines[0].startswith("t_s,x_m,y_m,z_m,roll_rad")
+    elif form == "npz":
+        with np.load(out, allow_pickle=False) as file:
+            assert file["body"].shape == (200, 6) and file["terrain_heights"].ndim == 2
+    else:
+        from mcap.reader import make_reader
+
+        with out.open("rb") as stream:
+            ticks = [json.loads(message.data) for _, channel, message in make_reader(stream).iter_messages() if channel.topic == "/tick"]
+        assert len(ticks) == 200 and ticks[-1]["t"] == pytest.approx(4.0)
+
+
+def test_a_run_is_written_as_one_page_that_needs_no_other_file(run_directory, tmp_path):
+    out = tmp_path / "replay.html"
+    assert called("export", run_directory, "--to", "html", "--out", out).exit_code == 0
+    page = out.read_text("utf-8")
+    assert "__VISER_EMBED_DATA__" in page
+    assert len(page) > 800_000
+
+
+def test_an_unknown_form_and_a_missing_run_are_refused(run_directory, tmp_path):
+    result = called("export", run_directory, "--to", "pdf")
+    assert result.exit_code == 2 and "there are: csv, npz, html, mcap" in result.stderr
+    result = called("replay", tmp_path)
+    assert result.exit_code == 2 and "no run.json" in result.stderr
+
+
+def test_bench_prints_its_figures_and_writes_them_as_json(tmp_path, monkeypatch):
+    monkeypatch.setattr("server.bench.ROUNDS", 1)
+    out = tmp_path / "bench.json"
+    result = called("bench", "--json", out)
+    assert result.exit_code == 0, result.output
+    figures = json.loads(out.read_text())["figures"]
+    assert all(entry["value"] > 0 for entry in figures.values())
+    assert any("Level C" in name for name in figures)
