@@ -32,17 +32,18 @@ class Gains:
     position: float = 1.0  # of the error in (38); 1 closes it in one tick, above 2 see feet ring
     posture: float = 0.2  # C1 of (36), per tick; too small: see the torso stay tilted, 2 and more: see it rock up
     pliancy: float = 0.002  # C2·Δz of (36), m a tick; too small: see legs hang over low ground, too large: see them stamp
-    integral: float = 0.0  # PID option, per tick; 0 is P control
-    derivative: float = 0.0  # PID option, ticks
-    windup: float = 0.02  # m; the integral never asks for more than this in one tick
+    integral: float = 0.0  # PID option: of what the servos missed; 0 is P control, above 1 see feet ring
+    derivative: float = 0.0  # PID option: of the change of what they missed
+    windup: float = 0.005  # m; the integral never asks for more than this in one tick, however long a servo is stuck
 
 
 class ReflexState(NamedTuple):
     """What Level C remembers from tick to tick of one step; a new step starts with ``next_step``."""
 
     landed: tuple[bool, ...]  # swing legs that have touched down early and carry since
-    sums: tuple[Point, ...] = ()  # PID option: integral of the position error, per leg and axis, m
-    errors: tuple[Point, ...] = ()  # PID option: the error one tick ago, m
+    aims: tuple[Point, ...] = ()  # PID option: where each foot should be by now, body axes, m
+    misses: tuple[Point, ...] = ()  # PID option: by how much it was missed one tick ago, m
+    sums: tuple[Point, ...] = ()  # PID option: all misses so far, m
 
     @staticmethod
     def begin(legs: int) -> ReflexState:
@@ -136,7 +137,8 @@ def _stretch(plan: StepPlan, k: int, times: list[float], body: list[list[float]]
 def _pace(stretch: _Stretch, end: float, limits: tuple[float, float, float]) -> float:
     """Limit over speed of the fastest foot axis of one stretch, body axes; infinite when nothing moves."""
     share = 0.0
-    for s in (0.0, end - stretch.start) if stretch.rate[3] else (0.0,):
+    duration = end - stretch.start
+    for s in (0.0, duration / 2, duration) if stretch.rate[3] else (0.0,):  # a turning body: three looks, good to a percent
         x, y, _, yaw = (value + rate * s for value, rate in zip(stretch.body, stretch.rate, strict=True))
         c, d, turn = math.cos(yaw), math.sin(yaw), stretch.rate[3]
         for fx, fy, _, vx, vy, vz in stretch.feet:
@@ -221,7 +223,7 @@ def reflex(
         out[leg] = ((fx - mx) * gain, (fy - my) * gain, (fz - mz) * gain)  # (38)
 
     if not simple:
-        state = _pid(out, stand, landed, state, gains, dt)
+        state = _pid(out, stand, landed, feet_b, state, gains, dt)
     if tilted or off:
         _adjust(out, stand + landed, soles, feet_b, roll, pitch, gains, dt)
     return out, state
@@ -260,23 +262,44 @@ def _adjust(
         out[leg] = (vx, vy, vz)
 
 
-def _pid(out: list[Point], stand: tuple[int, ...], landed: tuple[int, ...], state: ReflexState, gains: Gains, dt: float) -> ReflexState:
-    """Turn position errors into velocities by PID, in place. The sums are held to ``windup`` and shared by carrying legs."""
-    errors = tuple(out)
-    sums = list(state.sums or (ZERO,) * len(out))
-    before = state.errors or errors
-    bound = gains.windup / gains.integral if gains.integral else 0.0
-    for leg, error in enumerate(errors):
-        x, y, z = (max(-bound, min(bound, total + e)) for total, e in zip(sums[leg], error, strict=True))
-        sums[leg] = (x, y, z)
-    if stand:  # legs that carry must not pull against each other
-        x, y, z = (sum(sums[leg][axis] for leg in stand) / len(stand) for axis in range(3))
+def _pid(
+    out: list[Point],
+    stand: tuple[int, ...],
+    landed: tuple[int, ...],
+    feet_b: tuple[Point, ...],
+    state: ReflexState,
+    gains: Gains,
+    dt: float,
+) -> ReflexState:
+    """Turn position errors into velocities by PID, in place.
+
+    The integral is of what was missed of the tick before, not of the error, which holds the motion still to come; it is held
+    to ``windup``, and carrying legs share one, so that they do not pull against each other.
+    """
+    aims = tuple((x + dx, y + dy, z + dz) for (x, y, z), (dx, dy, dz) in zip(feet_b, out, strict=True))
+    before = state.aims or feet_b
+    misses = [(ax - x, ay - y, az - z) for (ax, ay, az), (x, y, z) in zip(before, feet_b, strict=True)]
+    if stand:
+        shared = _mean(misses, stand)
         for leg in stand + landed:
-            sums[leg] = (x, y, z)
-    for leg, error in enumerate(errors):
+            misses[leg] = shared
+    old, sums, bound = state.misses or (ZERO,) * len(out), [], gains.windup / gains.integral if gains.integral else 0.0
+    for total, miss in zip(state.sums or (ZERO,) * len(out), misses, strict=True):
+        x, y, z = (max(-bound, min(bound, value + more)) for value, more in zip(total, miss, strict=True))
+        sums.append((x, y, z))
+    if stand:
+        shared = _mean(sums, stand)
+        for leg in stand + landed:
+            sums[leg] = shared
+    for leg, error in enumerate(out):
         x, y, z = (
-            (gains.position * e + gains.integral * total + gains.derivative * (e - old)) / dt
-            for e, total, old in zip(error, sums[leg], before[leg], strict=True)
+            (gains.position * e + gains.integral * total + gains.derivative * (miss - last)) / dt
+            for e, total, miss, last in zip(error, sums[leg], misses[leg], old[leg], strict=True)
         )
         out[leg] = (x, y, z)
-    return state._replace(sums=tuple(sums), errors=errors)
+    return state._replace(aims=aims, misses=tuple(misses), sums=tuple(sums))
+
+
+def _mean(points: list[Point], legs: tuple[int, ...]) -> Point:
+    n = len(legs)
+    return sum(points[i][0] for i in legs) / n, sum(points[i][1] for i in legs) / n, sum(points[i][2] for i in legs) / n

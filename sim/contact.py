@@ -22,8 +22,8 @@ WHISKERS = 8
 OVER = 0.005  # m; a foot this little below an obstacle's top is on it, not beside it
 PATCH = 0.25  # m, side of the squares that know whether an obstacle is near
 SUBSTEPS = 4  # of a tick while sliding
-STILL = 1e-4  # m/s; a slide slower than this has stopped
-HOLDS = 1e-9  # m a tick; less is the solver's rest, not a slide
+STILL = 1e-5  # m/s; a slide slower than this has stopped
+ITERATIONS = 200  # of pymunk's solver; fewer, see a machine pushed off its centre of support creep
 
 ANY = pymunk.ShapeFilter()
 
@@ -146,7 +146,7 @@ class _Slide:
         length, width, height = machine.torso
         self.machine = machine
         self.space = pymunk.Space()
-        self.space.iterations = 30
+        self.space.iterations = ITERATIONS
         self.hull = pymunk.Body(machine.mass, machine.mass * (length * length + width * width) / 12.0)
         self.hull.position, self.hull.angle = (body[0], body[1]), body[5]
         bottom, low = body[2] - height / 2, min(foot[2] for foot in feet) + OVER
@@ -182,7 +182,7 @@ class _Slide:
         slip = Slip(hull.position.x - body[0], hull.position.y - body[1], hull.angle - body[5])
         speed = hull.velocity.length + abs(hull.angular_velocity) * self.machine.yaw_length
         moved = abs(slip.dx) + abs(slip.dy) + abs(slip.turn)
-        return None if speed < STILL and moved < max(HOLDS, STILL * dt) else slip
+        return None if speed < STILL and moved < STILL * dt else slip
 
 
 def _shape(body: pymunk.Body, obstacle: Obstacle) -> pymunk.Shape:

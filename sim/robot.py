@@ -30,6 +30,7 @@ from .topple import DROP_MAX, FALL_TILT, Edge, Fall, angular_acceleration, carri
 TICK = 0.02  # s
 TOUCH = 1e-6  # m; a moving foot this near the ground has come down: nearer than that a servo could not take it in time
 SOLE_GAP = 0.001  # m; a sole this near the ground is on: what it gives under load
+ROCK = 0.01  # m; a body about to tip onto a foot that hangs no higher than this rests on it at once, without a fall
 STEP_UP = 0.01  # m; a foot moving sideways rides up this much, a taller riser stops it
 SAME = 1e-10  # m a tick; foot motions this near each other are one motion of the body
 STIFF = 1e-9  # m; carrying feet pulled apart by less are not pulled
@@ -317,12 +318,12 @@ class Plant:
 
     def _shift(self, steps: Sequence[Step]) -> None:
         """A tick in which carrying feet are not driven as one, or the body is pushed, or rests anew, or loses its balance."""
-        free = tuple(self._free)
         place = self.body[0], self.body[1], self.body[5]
         for leg in self._carry:
             position, (dx, dy, dz) = self._legs[leg], steps[leg]
             position[0], position[1], position[2] = position[0] + dx, position[1] + dy, position[2] + dz
             self.slipping[leg] = False
+        free = tuple(self._free)
         self._follow()
         if self.world.crowds(self.body[0], self.body[1]) and self._bumps(*place) is None and self._bumps(*self._place) is not None:
             self._turn_to(*place, self.body[3], self.body[4])
@@ -333,7 +334,7 @@ class Plant:
             self._slide()
         else:
             self._start_to_fall()
-        self._swing(steps, free)
+        self._swing(steps, [leg for leg in free if leg in self._free])
         self._stand()
 
     @property
@@ -376,15 +377,17 @@ class Plant:
         return x + self._push[0] * lever, y + self._push[1] * lever
 
     def _balanced(self) -> bool:
-        """True when the feet carry the load; feet that touch without carrying are called in before it is lost."""
+        """True when the feet carry the load; before it is lost, the body rocks onto feet that touch or nearly do."""
         x, y = self._load_point()
         if self._holds(x, y):
             return True
-        touching = [leg for leg in self._free if self.soles[leg]]
-        if not touching:
-            return False
-        self._carry = sorted((*self._carry, *touching))
-        self._free = [leg for leg in self._free if leg not in touching]
+        for leg in self._free:
+            foot = self.feet[leg]
+            height = self.ground.height_at(foot[0], foot[1])
+            if foot[2] - height <= ROCK:
+                foot[2] = height
+                self._carry = sorted((*self._carry, leg))
+        self._free = [leg for leg in self._free if leg not in self._carry]
         return self._holds(x, y)
 
     def _holds(self, x: float, y: float) -> bool:
@@ -414,12 +417,23 @@ class Plant:
                 self._let_go(leg)
 
     def _let_go(self, leg: int) -> None:
-        """A foot that hangs: it is where the body has it."""
+        """A foot that hangs: it is where the body has it, though not in the ground."""
         self._carry.remove(leg)
-        self.soles[leg] = self.slipping[leg] = False
-        x, y, z = turned(self._turned, *self._legs[leg])
-        self.feet[leg][:] = self.body[0] + x, self.body[1] + y, self.body[2] + z
         self._pull[leg][:] = 0.0, 0.0
+        self._hang(leg)
+
+    def _hang(self, leg: int) -> bool:
+        """Put a foot where the body has it; True when that is on the ground, which stops it."""
+        body, foot = self.body, self.feet[leg]
+        x, y, z = turned(self._turned, *self._legs[leg])
+        foot[:] = body[0] + x, body[1] + y, body[2] + z
+        height = self.ground.height_at(foot[0], foot[1])
+        self.soles[leg], self.slipping[leg] = foot[2] - height <= SOLE_GAP, False
+        if not foot[2] <= height:
+            return False
+        foot[2] = height
+        self._legs[leg][:] = unturned(self._turned, x, y, height - body[2])
+        return True
 
     def _give_way(self) -> None:
         """Feet that are pulled apart: a leg gives a little, then its foot slips by what is too much."""
@@ -547,22 +561,10 @@ class Plant:
         body[:] = px + x, py + y, pz + z, roll, pitch, yaw
 
     def _hang_feet(self, pivots: Sequence[int]) -> list[int]:
-        """Put all feet but the pivots where the body has them; those that meet the ground stop there and are returned."""
-        body, touching = self.body, []
-        for leg, foot in enumerate(self.feet):
-            self.slipping[leg] = False
-            self.soles[leg] = leg in pivots
-            if leg in pivots:
-                continue
-            x, y, z = turned(self._turned, *self._legs[leg])
-            foot[:] = body[0] + x, body[1] + y, body[2] + z
-            height = self.ground.height_at(foot[0], foot[1])
-            self.soles[leg] = foot[2] - height <= SOLE_GAP
-            if foot[2] <= height:
-                foot[2] = height
-                self._legs[leg][:] = unturned(self._turned, x, y, height - body[2])
-                touching.append(leg)
-        return touching
+        """Put all feet but the pivots where the body has them; those that the ground stops are returned."""
+        for leg in pivots:
+            self.soles[leg], self.slipping[leg] = True, False
+        return [leg for leg in range(len(self.feet)) if leg not in pivots and self._hang(leg)]
 
     def _lies(self, fall: Fall) -> bool:
         """True when the torso leans too far, is on the ground, or has fallen into a hole."""
@@ -611,8 +613,11 @@ def _into(position: float, step: float, low: float, high: float) -> float:
 
 def slope_at(ground: Ground, x: float, y: float, span: float) -> tuple[float, float]:
     """Slope of the ground along x and y: the lesser of before and behind, so that the riser of a step is not a slope."""
+    cell = ground.cell_at(x, y)
+    if cell is None:
+        return 0.0, 0.0
     d = ground.cell * max(1, round(span / ground.cell))
-    here = ground.height_at(x, y)
+    here, (x, y) = ground.height_at(x, y), ground.centre(*cell)
     slopes = []
     for dx, dy in ((d, 0.0), (0.0, d)):
         before, behind = (ground.height_at(x + dx, y + dy) - here) / d, (here - ground.height_at(x - dx, y - dy)) / d
