@@ -35,10 +35,10 @@ def plan_step(
     step = decide(standard, posture, ground_of(terrain), None if ahead.is_level else ahead.refuses, notes)
     if step is None:
         return _blocked(standard, posture, terrain, ahead, notes)
-    height = ahead.height_after(step.leg, step.g, step.landing)
+    low, highest = ahead.height_limits(step.leg, step.g0, step.g, step.landing)
+    height = ahead.height_after(step.leg, step.g, step.landing, low, highest)
     needs = ahead.torso_needs(step.g, height)
     if needs > height:
-        highest = ahead.highest_after(step.leg, step.landing)
         if needs > highest:
             return Blocked(f"the torso would touch the ground: it needs {needs:.2f} m, the legs reach {highest:.2f} m", None, notes)
         height = needs
@@ -65,39 +65,47 @@ class Ahead:
         self.terrain, self.machine, self.gait = terrain, machine, gait
         self.heights = [stance.feet[leg][2] for leg in standard.body_leg]  # canonical legs
         self.level = terrain.highest if terrain.is_level else math.nan
-        self.is_level = terrain.is_level and all(abs(z - self.level) <= LEVEL for z in self.heights)
+        self.is_level = (
+            terrain.is_level
+            and all(abs(z - self.level) <= LEVEL for z in self.heights)
+            and self.ceiling(self.level + gait.height) >= self.level + CLEARANCE
+        )
 
     def ground_at(self, landing: Landing) -> float:
         """Height of the foothold, m."""
         return self.level if self.is_level else self.terrain.height_at(landing.ax, landing.ay)
 
-    def height_after(self, leg: int, g: float, landing: Landing) -> float:
-        """Height of the CoG at N_{k+1} (H §6), m."""
-        heights = self.heights.copy()
-        heights[leg] = z = self.ground_at(landing)
-        places = [(fx, fy, h) for (fx, fy), h in zip(self.posture.feet, heights, strict=True)]
-        places[leg] = (landing.x, landing.y, z)
-        low, high = height_range(self.machine, heights)
-        predicted = ground_ahead(places[0], places[3], self.standard.ux, self.standard.uy)
-        return body_height(self.stance.body[2], g, predicted, self.gait.height, low, high)
-
-    def highest_after(self, leg: int, landing: Landing) -> float:
-        """The most the body can be raised at N_{k+1}, m."""
+    def height_limits(self, leg: int, g0: float, g: float, landing: Landing) -> tuple[float, float]:
+        """Lowest and highest CoG at N_{k+1}: all four feet in reach there, and u still in reach after g0; low > high when none is."""
         heights = self.heights.copy()
         heights[leg] = self.ground_at(landing)
-        return height_range(self.machine, heights)[1]
+        low, high = height_range(self.machine, heights)
+        if g0 > 0.0:
+            z, share = self.stance.body[2], g0 / g
+            bottom, top = height_range(self.machine, self.heights[leg : leg + 1])
+            low, high = max(low, z + (bottom - z) / share), min(high, z + (top - z) / share)
+        return low, high
+
+    def height_after(self, leg: int, g: float, landing: Landing, low: float, high: float) -> float:
+        """Height of the CoG at N_{k+1} within the limits (H §6), m."""
+        (lx, ly), (rx, ry) = self.posture.feet[0], self.posture.feet[3]
+        left, right = (lx, ly, self.heights[0]), (rx, ry, self.heights[3])
+        if leg == 0:
+            left = landing.x, landing.y, self.ground_at(landing)
+        elif leg == 3:
+            right = landing.x, landing.y, self.ground_at(landing)
+        predicted = ground_ahead(left, right, self.standard.ux, self.standard.uy)
+        return body_height(self.stance.body[2], g, predicted, self.gait.height, low, high)
 
     def refuses(self, shift: Shift, landing: Landing) -> str | None:
         """Why a foothold cannot be used for its height; None when it can."""
         leg, z = shift.leg, self.ground_at(landing)
         if z != z:
             return "no ground known there"
-        heights = self.heights.copy()
-        heights[leg] = z
-        low, high = height_range(self.machine, heights)
+        low, high = self.height_limits(leg, shift.g0, shift.g, landing)
         if low > high:
             return "too high or too low for the legs to reach together"
-        height = self.height_after(leg, shift.g, landing)
+        height = self.height_after(leg, shift.g, landing, low, high)
         if self.crest(leg, landing) + CLEARANCE > self.ceiling(height):
             return "the foot cannot be lifted over the ground on the way"
         return None
@@ -203,6 +211,7 @@ def _clock(
         gait,
         (way[0], way[1], over[2] - top[2]),
         (course[0], course[1], climb / g if g > 0.0 else 0.0),
+        climb,
         step.g0,
         g,
         top[2] - swing[0][2],

@@ -16,6 +16,10 @@ EVEN: tuple[tuple[float, float], ...] = ((1.0, 1.0),)
 # Eased motion as stairs of constant speed: 1/4, 3/4, then 1 of the peak, mirrored; peak / mean = 1.25 = Gait.peak (H §11 (3)).
 EASED: tuple[tuple[float, float], ...] = ((0.1, 0.03125), (0.2, 0.125), (0.8, 0.875), (0.9, 0.96875), (1.0, 1.0))
 
+BACK_MIN = 0.02  # s, one tick of Level C: no return phase is shorter
+WAIT_SHARE = 0.2  # of V_z at which a waiting body changes height
+CLIMB_SHARE = 0.5  # of V_z left to the body's own climb; more leaves too little to lift the foot against it
+
 Knot = tuple[float, Point, Point]  # s from N_k; body x, y, z; swing foot x, y, z
 Swing = tuple[Point, Point, Point, Point]  # the foot standing, lifted, above its landing point, and at what it aims for
 
@@ -54,8 +58,9 @@ def speed_limit(displacement: Point, n: Point, limits: Point, g: float, vertical
 
 
 def speed_standing(n: Point, limits: Point) -> float:
-    """The largest v at which standing legs keep their limits."""
-    return min(limit / abs(m) if abs(m) > 1e-12 else math.inf for m, limit in zip(n, limits, strict=True))
+    """The largest v at which standing legs keep their limits, using at most half of V_z for climbing."""
+    share = (1.0, 1.0, CLIMB_SHARE)
+    return min(limit * part / abs(m) if abs(m) > 1e-12 else math.inf for m, limit, part in zip(n, limits, share, strict=True))
 
 
 def timing(
@@ -63,6 +68,7 @@ def timing(
     gait: Gait,
     displacement: Point,
     n: Point,
+    climb: float,
     g0: float,
     g: float,
     rise: float,
@@ -73,30 +79,35 @@ def timing(
 ) -> Timing:
     """Durations and speeds of a step.
 
-    ``rise`` and ``drop`` are the vertical strokes, ``room`` how far the body may go on during each before the foot is out of
-    mechanical reach. ``cruise`` is v_max of the standard step: the four-leg phase goes on at it when the swing is slower.
+    ``climb`` is the body's own change of height in the step, ``rise`` and ``drop`` are the foot's vertical strokes, ``room`` how
+    far the body may go on during each before the foot is out of mechanical reach. ``cruise`` is v_max of the standard step: the
+    four-leg phase goes on at it when the swing is slower.
     """
     peak = gait.peak
     limits = machine.speed[0] / peak, machine.speed[1] / peak, machine.speed[2] / peak
     g_u = g - g0
     standing = speed_standing(n, limits)
-    climb = 0.0
+    sinking = 0.0 if g > 0.0 or climb == 0.0 else WAIT_SHARE * limits[2]  # |v_Gz|
     v = v_max = 0.0
     for _ in range(2):  # the body's own climb slows the lift, and the slower lift the climb: the second pass is feasible
-        lift = (machine.speed[2] - climb) / peak
+        lift = (machine.speed[2] - sinking) / peak
         up, down = rise / lift, drop / lift
         if g_u <= 0.0:
             break
         lifting = up + down  # τ
-        v_max = min(speed_limit(displacement, n, limits, g_u, lifting), standing, room[0] / up, room[1] / down, 0.999999 * g_u / lifting)
+        v_max = min(speed_limit(displacement, n, limits, g_u, lifting), standing, room[0] / up, room[1] / down, g_u / (lifting + BACK_MIN))
         v = min(v_max, command) if command > 0.0 else v_max
-        climb = min(abs(v_max * n[2]), machine.speed[2] / 2)
-        if climb == 0.0:
+        sinking = abs(v_max * n[2])
+        if sinking == 0.0:
             break
     if g_u > 0.0:
         back = g_u / v - (up + down)  # H §7 (29)
     else:
-        back = max(abs(d) / limit for d, limit in zip(displacement, limits, strict=True))  # (13b): the body waits
+        dx, dy, dz = displacement
+        # (13b): the body waits
+        back = max(BACK_MIN, abs(dx) / limits[0], abs(dy) / limits[1], abs(dz) / (limits[2] - sinking))
+        if sinking > 0.0:
+            back = max(back, abs(climb) / sinking)
     support_speed = max(v, min(command if command > 0.0 else cruise, cruise, standing))
     return Timing(v, v_max, support_speed, g0 / support_speed, up, back, down)  # H §7 (32)
 
