@@ -332,8 +332,8 @@ class RunState(BaseModel):
     id: str
     state: Literal["running", "completed", "blocked", "fell", "interrupted", "failed"]
     reason: str
-    progress: dict[str, Any] | None
-    result: dict[str, Any] | None
+    progress: dict[str, Any] | None = None
+    result: dict[str, Any] | None = Field(default=None, description="the figures of run.json, once it is over")
 
 
 class Problem(BaseModel):

@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from planner.vocabulary import Command
+from planner.walk import DT
 
 from .clock import HOLD, WalkingClock
 from .messages import DriveFrame, Frame, ReleaseFrame, StopFrame, TakeFrame
@@ -19,6 +20,7 @@ DEAD_MAN = 0.5  # s: shorter stops on every hiccup of a wireless link, longer wa
 LEASE_IDLE = 15.0  # s without a frame after which the lease is free
 FRAMES_PER_SECOND = 100.0
 FRAME_BURST = 50.0
+FRAME_BURST_AFTER_SILENCE = 500.0  # what five seconds without a link may hold back and deliver at once
 REST = "rest"  # who drives while a REST command lives
 
 TAKE_FIRST = "take the lease first"
@@ -46,7 +48,9 @@ class Seat:
 
     def count(self, now: float) -> None:
         """Take one frame out of the allowance; raises ``TooFast`` when there is none left."""
-        self.allowance = min(FRAME_BURST, self.allowance + (now - self.counted) * FRAMES_PER_SECOND) - 1.0
+        earned = (now - self.counted) * FRAMES_PER_SECOND
+        ceiling = max(FRAME_BURST, min(earned, FRAME_BURST_AFTER_SILENCE))
+        self.allowance = max(self.allowance, min(ceiling, self.allowance + earned)) - 1.0
         self.counted = self.heard = now
         if self.allowance < 0.0:
             raise TooFast(f"more than {FRAMES_PER_SECOND:g} frames a second")
@@ -122,7 +126,7 @@ class Operator:
         seat.centred = command.holds
         if command.holds:
             seat.must_centre = False
-        return self._blocked_by(seat) or self._obey(seat, command, now)
+        return self._blocked_by(seat) or self._obey(seat, command, now, age)
 
     def _blocked_by(self, seat: Seat) -> str:
         holder = self.holder
@@ -132,12 +136,12 @@ class Operator:
             return "" if seat.centred else STOPPED
         return CENTRE_FIRST if seat.must_centre else ""
 
-    def _obey(self, seat: Seat, command: Command, now: float) -> str:
+    def _obey(self, seat: Seat, command: Command, now: float, age: float) -> str:
         if self._holder is not seat:
             self._holder = seat
             self.revision += 1
         seat.driven, seat.moving = now, not command.holds
-        self._clock.order(command, DEAD_MAN)
+        self._clock.order(command, max(DT, DEAD_MAN - age))  # so a frozen picture holds at the dead-man, not at twice that
         return ""
 
     def _take(self, seat: Seat) -> str:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 from fastapi.testclient import TestClient
+from stopwatch import Watch
 
 from server.app import Settings, create_app
 from server.clock import WalkingClock
@@ -12,19 +13,6 @@ from server.console import Console, World, prepare
 from sim.scenarios import load_scenario
 
 HERE = "http://127.0.0.1:8000"
-
-
-class Watch:
-    """Wall time that passes when the test says so."""
-
-    def __init__(self) -> None:
-        self.time = 1000.0
-
-    def __call__(self) -> float:
-        return self.time
-
-    def wait(self, seconds: float) -> None:
-        self.time += seconds
 
 
 @pytest.fixture(scope="session")

@@ -4,12 +4,12 @@ import threading
 from collections.abc import Iterator
 
 import pytest
+from stopwatch import Watch
 
 from planner.vocabulary import Command
 from server.clock import ADVANCE_PER_BEAT, Drawing, WalkingClock
 from server.console import Console, World
 from sim.snapshot import Snapshot
-from tests.server.conftest import Watch
 
 AHEAD = Command(0.0, 0.08, 0.0)
 

@@ -1,0 +1,231 @@
+"""The /drive WebSocket in process: lease, refusals, snapshots, and everything a hostile client may send."""
+
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import pytest
+from fastapi.testclient import TestClient
+from starlette.testclient import WebSocketDenialResponse, WebSocketTestSession
+from starlette.websockets import WebSocketDisconnect
+
+from server.app import DRIVERS_MAX, FRAME_MAX
+from server.clock import WalkingClock
+
+HERE = {"origin": "http://127.0.0.1:8000"}
+AT = "ws://127.0.0.1:8000"  # the test client ignores its base URL for WebSockets
+
+
+class Page:
+    """One page: its socket, its name, and what it was told."""
+
+    def __init__(self, socket: WebSocketTestSession) -> None:
+        self.socket = socket
+        self.hello = socket.receive_json()
+        self.seq = 0
+
+    @property
+    def name(self) -> str:
+        return str(self.hello["lease_id"])
+
+    def told(self, kind: str) -> dict[str, Any]:
+        """The next frame of this kind; others are passed over."""
+        while True:
+            frame: dict[str, Any] = self.socket.receive_json()
+            if frame["type"] == kind:
+                return frame
+
+    def press(self, speed: float = 0.08, echo: int = 0, **keys: Any) -> None:
+        self.seq += 1
+        stick = {"crab_angle_rad": 0.0, "speed_m_s": speed, "turn_rate_rad_s": 0.0}
+        self.socket.send_json({"type": "drive", "seq": self.seq, "echo_tick": echo, **stick, **keys})
+
+    def refusal(self) -> str:
+        return str(self.told("refused")["reason"])
+
+
+@contextmanager
+def page(client: TestClient) -> Iterator[Page]:
+    with client.websocket_connect(f"{AT}/drive", headers=dict(HERE)) as socket:
+        yield Page(socket)
+
+
+def ended(socket: WebSocketTestSession) -> int:
+    """The close code, whatever came before it."""
+    with pytest.raises(WebSocketDisconnect) as caught:
+        while True:
+            socket.receive_json()
+    return caught.value.code
+
+
+def test_a_page_is_greeted_told_who_drives_and_shown_the_world(client: TestClient) -> None:
+    with page(client) as one:
+        assert one.hello["dead_man_s"] == 0.5 and one.hello["tick_s"] == 0.02
+        assert one.told("lease") == {"type": "lease", "held": False, "holder": None, "stopped": False}
+        assert one.told("snapshot") == client.get("/api/v1/console").json()
+
+
+def test_pressing_the_stick_takes_the_lease_and_moves_the_machine(client: TestClient, clock: WalkingClock) -> None:
+    with page(client) as one:
+        one.told("snapshot")
+        one.press()
+        lease = one.told("lease")
+        assert lease["held"] and lease["holder"] == one.name
+        clock.beat()
+        assert one.told("snapshot")["speed_m_s"] == 0.08
+
+
+def test_the_type_of_a_drive_frame_may_be_left_out(client: TestClient, clock: WalkingClock) -> None:
+    with page(client) as one:
+        frame = {"seq": 1, "echo_tick": 0, "crab_angle_rad": 0.0, "speed_m_s": 0.05, "turn_rate_rad_s": 0.0}
+        one.told("lease")
+        one.socket.send_json(frame)
+        assert one.told("lease")["held"]
+        clock.beat()
+        assert clock.newest.command.speed == 0.05
+
+
+def test_a_second_page_views_and_is_told_who_drives(client: TestClient) -> None:
+    with page(client) as one, page(client) as two:
+        assert two.told("lease")["holder"] is None
+        one.press()
+        assert two.told("lease") == {"type": "lease", "held": False, "holder": one.name, "stopped": False}
+        two.press()
+        assert two.refusal() == f"{one.name} is driving"
+
+
+def test_closing_the_page_holds(client: TestClient, clock: WalkingClock) -> None:
+    with page(client) as watching:
+        with page(client) as one:
+            one.press()
+            while watching.told("lease")["holder"] != one.name:
+                pass
+            clock.beat()
+            assert not clock.newest.command.holds
+        while watching.told("lease")["holder"] is not None:
+            pass
+        clock.beat()
+        assert clock.newest.command.holds
+
+
+def test_a_stop_from_a_viewer_is_said_to_everybody_and_stays(client: TestClient, clock: WalkingClock) -> None:
+    with page(client) as one, page(client) as two:
+        one.press()
+        one.told("lease")
+        two.socket.send_json({"type": "stop"})
+        while not one.told("lease")["stopped"]:
+            pass
+        clock.beat()
+        assert clock.newest.command.holds
+        one.press()
+        assert "stopped" in one.refusal()
+        one.press(speed=0.0)
+        one.socket.send_json({"type": "rearm"})
+        while one.told("lease")["stopped"]:
+            pass
+
+
+BAD: list[tuple[str, str]] = [
+    ('{"seq": 1', "not a JSON object"),
+    ("[]", "not a JSON object"),
+    ('"stop"', "not a JSON object"),
+    ("[" * 4000, "not a JSON object"),
+    ('{"type": "fly"}', "unknown type"),
+    ('{"type": ["stop"]}', "unknown type"),
+    ('{"type": "stop", "really": true}', "really"),
+    ('{"type": "stop", "type": "stop"}', "twice"),
+]
+STICK = '{"seq": 5, "echo_tick": 0, "crab_angle_rad": 0.0, "speed_m_s": %s, "turn_rate_rad_s": 0.0}'
+BAD += [(STICK % word, "speed_m_s") for word in ("1e400", "true", '"0.1"', "null", "9.0", "-0.1", "[0.1]", '{"a": 1}')]
+BAD += [(STICK % word, "not a number") for word in ("NaN", "Infinity", "-Infinity")]
+BAD += [('{"seq": 1.5, "echo_tick": 0, "crab_angle_rad": 0.0, "speed_m_s": 0.0, "turn_rate_rad_s": 0.0}', "seq")]
+BAD += [('{"seq": 1, "crab_angle_rad": 0.0, "speed_m_s": 0.1, "turn_rate_rad_s": 0.0}', "echo_tick")]
+
+
+@pytest.mark.parametrize(("text", "reason"), BAD, ids=lambda text: str(text)[:40])
+def test_what_is_no_frame_is_refused_with_a_reason_and_moves_nothing(
+    client: TestClient, clock: WalkingClock, text: str, reason: str
+) -> None:
+    with page(client) as one:
+        one.socket.send_text(text)
+        assert reason in one.refusal()
+        clock.beat()
+        assert clock.newest.command.holds and client.get("/api/v1/health").json()["holder"] is None
+
+
+def test_a_bad_frame_does_not_extend_the_command_before_it(client: TestClient, clock: WalkingClock) -> None:
+    with page(client) as one:
+        one.press()
+        one.told("lease")
+        for _ in range(24):
+            clock.beat()
+        one.socket.send_text(STICK % "NaN")
+        one.refusal()
+        for _ in range(2):
+            clock.beat()
+        assert clock.newest.command.holds
+
+
+def test_a_refusal_names_the_frame_it_refuses(client: TestClient) -> None:
+    with page(client) as one:
+        one.press(speed=9.0)
+        assert one.told("refused")["seq"] == 1
+
+
+@pytest.mark.parametrize(("frame", "code"), [(b"\x00\x01", 1003), (b"{}", 1003)])
+def test_binary_frames_close_the_socket(client: TestClient, frame: bytes, code: int) -> None:
+    with page(client) as one:
+        one.socket.send_bytes(frame)
+        assert ended(one.socket) == code
+
+
+def test_a_frame_beyond_its_limit_closes_the_socket(client: TestClient) -> None:
+    with page(client) as one:
+        one.socket.send_text(json.dumps({"type": "stop", "x": "x" * FRAME_MAX}))
+        assert ended(one.socket) == 1009
+
+
+def test_a_flood_closes_its_own_socket_only(client: TestClient, clock: WalkingClock) -> None:
+    with page(client) as calm, page(client) as wild:
+        for _ in range(60):
+            wild.socket.send_text("{}")
+        assert ended(wild.socket) == 1008
+        calm.press()
+        while not calm.told("lease")["held"]:
+            pass
+        clock.beat()
+        assert not clock.newest.command.holds
+
+
+def test_a_flooding_holder_is_held(client: TestClient, clock: WalkingClock) -> None:
+    with page(client) as wild:
+        for _ in range(60):
+            wild.press()
+        assert ended(wild.socket) == 1008
+        clock.beat()
+        assert clock.newest.command.holds
+
+
+@pytest.mark.parametrize("path", ["/drive", "/view", "/view/"])
+@pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://127.0.0.1:9", "https://127.0.0.1:8000.evil"])
+def test_no_foreign_page_opens_a_socket(client: TestClient, path: str, origin: str) -> None:
+    with pytest.raises(WebSocketDenialResponse) as caught, client.websocket_connect(AT + path, headers={"origin": origin}):
+        pass
+    assert caught.value.status_code == 403
+
+
+@pytest.mark.parametrize("path", ["/drive", "/view"])
+def test_no_foreign_host_opens_a_socket(client: TestClient, path: str) -> None:
+    headers = {"origin": "http://evil.example"}
+    with pytest.raises(WebSocketDenialResponse) as caught, client.websocket_connect(f"ws://evil.example{path}", headers=headers):
+        pass
+    assert caught.value.status_code == 403
+
+
+def test_there_is_room_for_so_many_pages_and_no_more(client: TestClient) -> None:
+    desk = client.app.state.desk  # type: ignore[attr-defined]
+    desk.drivers.update(str(number) for number in range(DRIVERS_MAX))
+    with pytest.raises(WebSocketDenialResponse) as caught, page(client):
+        pass
+    assert caught.value.status_code == 503

@@ -1,0 +1,151 @@
+"""Scripted runs over HTTP: begun in a process of their own, followed, read, cancelled, limited."""
+
+import json
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from fastapi.testclient import TestClient
+
+from server import runs as runs_module
+from server.app import Settings, create_app
+from server.clock import WalkingClock
+from server.runs import RUNS_AT_ONCE, Runs, toml
+from sim.scenarios import load_scenario, scenario_from, scenario_names
+
+HERE = "http://127.0.0.1:8000"
+SHORT = ["end={time=2.0}", "expect={}"]
+LONG = ["end={time=3600.0}", "drive=[]"]
+
+
+@pytest.fixture
+def running(clock: WalkingClock, tmp_path: Path) -> Iterator[tuple[TestClient, Runs]]:
+    app = create_app(clock, Settings(data=tmp_path))
+    with TestClient(app, base_url=HERE) as client:
+        yield client, app.state.desk.runs
+
+
+def over(client: TestClient, runs: Runs, run_id: str) -> dict[str, Any]:
+    """The state after the child has ended."""
+    runs._jobs[run_id].process.wait(60)
+    state: dict[str, Any] = client.get(f"/api/v1/runs/{run_id}").json()
+    return state
+
+
+def test_a_run_is_begun_listed_followed_and_read(running: tuple[TestClient, Runs]) -> None:
+    client, runs = running
+    answer = client.post("/api/v1/runs", json={"name": "flat", "settings": SHORT, "seed": 3, "trace_decisions": True})
+    assert answer.status_code == 202
+    run_id = answer.json()["id"]
+    assert answer.headers["location"] == f"/api/v1/runs/{run_id}" and run_id == "flat-0001"
+    state = over(client, runs, run_id)
+    assert state["state"] == "completed", state
+    assert state["result"]["ticks"] == 100 and len(state["result"]["state_hash"]) == 16
+    assert [entry["id"] for entry in client.get("/api/v1/runs").json()] == [run_id]
+    summary = client.get(f"/api/v1/runs/{run_id}/run.json").json()
+    assert summary["scenario"]["seed"] == 3
+    for name in ("ticks.npz", "steps.jsonl", "terrain.npz"):
+        assert client.get(f"/api/v1/runs/{run_id}/{name}").status_code == 200
+    assert client.delete(f"/api/v1/runs/{run_id}").json()["state"] == "completed", "what is over stays as it is"
+
+
+def test_an_inline_scenario_runs_and_a_second_run_gets_its_own_name(running: tuple[TestClient, Runs]) -> None:
+    client, runs = running
+    inline = {"scenario": {"end": {"time": 1.0}}}
+    ids = [client.post("/api/v1/runs", json=inline).json()["id"] for _ in range(2)]
+    assert ids == ["inline-0001", "inline-0002"]
+    assert [over(client, runs, run_id)["state"] for run_id in ids] == ["completed", "completed"]
+
+
+def test_a_run_is_cancelled_and_there_is_room_for_so_many_at_once(running: tuple[TestClient, Runs]) -> None:
+    client, runs = running
+    ids = [client.post("/api/v1/runs", json={"name": "flat", "settings": LONG}).json()["id"] for _ in range(RUNS_AT_ONCE)]
+    refused = client.post("/api/v1/runs", json={"name": "flat", "settings": SHORT})
+    assert refused.status_code == 429 and refused.headers["content-type"] == "application/problem+json"
+    assert client.get(f"/api/v1/runs/{ids[0]}/run.json").status_code == 404, "not before it is over"
+    for run_id in ids:
+        assert client.delete(f"/api/v1/runs/{run_id}").status_code == 202
+        assert over(client, runs, run_id)["state"] == "interrupted"
+
+
+def test_runs_of_a_console_that_was_ended_are_interrupted(tmp_path: Path) -> None:
+    (tmp_path / "jobs" / "flat-0001").mkdir(parents=True)
+    runs = Runs(tmp_path)
+    assert runs.state("flat-0001")["state"] == "interrupted"
+
+
+def test_a_run_that_fails_says_why(running: tuple[TestClient, Runs], monkeypatch: pytest.MonkeyPatch) -> None:
+    client, runs = running
+    monkeypatch.setattr(runs_module, "COMMAND", (*runs_module.COMMAND, "no-such-command"))
+    run_id = client.post("/api/v1/runs", json={"name": "flat"}).json()["id"]
+    state = over(client, runs, run_id)
+    assert state["state"] == "failed" and state["reason"]
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        {"name": "rivr"},
+        {"name": "flat", "settings": ["end.time=1e9"]},
+        {"name": "flat", "settings": ["speeed=1"]},
+        {"name": "flat", "settings": ["seed=nan"]},
+        {"name": "flat", "settings": ['terrain={file="/etc/passwd"}']},
+        {"name": "flat", "settings": ["robot=/etc/robot.toml"]},
+        {"name": "flat", "settings": "seed=1"},
+        {"name": "flat", "out": "/tmp"},
+        {"scenario": {"drive": [{"t": -1.0}]}},
+        {"scenario": {}, "settings": ["seed=1"]},
+    ],
+    ids=json.dumps,
+)
+def test_a_run_that_makes_no_sense_is_refused_before_it_begins(running: tuple[TestClient, Runs], body: dict[str, Any]) -> None:
+    client, runs = running
+    answer = client.post("/api/v1/runs", json=body)
+    assert answer.status_code == 422 and answer.json()["field"]
+    assert runs.ids() == []
+
+
+NAMES = ["nothing-0001", "..", "../x", "%2e%2e", "A", "a" * 65, "a.b", ".hidden", "a%00b", "-a"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_no_name_leads_out_of_the_data_folder(running: tuple[TestClient, Runs], name: str) -> None:
+    client, _ = running
+    for path in (f"/api/v1/runs/{name}", f"/api/v1/runs/{name}/run.json"):
+        assert client.get(path).status_code in (404, 422)
+        assert client.delete(path).status_code in (404, 405, 422)
+
+
+@pytest.mark.parametrize("name", ["scenario.toml", "run.json.bak", "..%2frun.json", "errors.txt", "%2e%2e%2f%2e%2e%2fetc%2fpasswd"])
+def test_only_the_files_of_a_run_are_served(running: tuple[TestClient, Runs], tmp_path: Path, name: str) -> None:
+    client, _ = running
+    (tmp_path / "runs" / "flat-0001").mkdir(parents=True)
+    (tmp_path / "runs" / "flat-0001" / "scenario.toml").write_text("secret")
+    assert client.get(f"/api/v1/runs/flat-0001/{name}").status_code == 404
+
+
+def test_a_link_in_a_run_directory_is_not_followed(running: tuple[TestClient, Runs], tmp_path: Path) -> None:
+    client, _ = running
+    (tmp_path / "secret").write_text("secret")
+    (tmp_path / "runs" / "flat-0001").mkdir(parents=True)
+    (tmp_path / "runs" / "flat-0001" / "steps.jsonl").symlink_to(tmp_path / "secret")
+    assert client.get("/api/v1/runs/flat-0001/steps.jsonl").status_code == 404
+
+
+def test_without_room_no_run_begins(running: tuple[TestClient, Runs], monkeypatch: pytest.MonkeyPatch) -> None:
+    client, _ = running
+    monkeypatch.setattr(runs_module, "SPACE_MIN", 1e18)
+    assert client.post("/api/v1/runs", json={"name": "flat"}).status_code == 507
+
+
+@pytest.mark.parametrize("name", scenario_names())
+def test_a_scenario_written_for_a_child_reads_back_the_same(name: str) -> None:
+    scenario = load_scenario(name)
+    assert scenario_from(tomllib.loads(toml(scenario.as_data())), Path()) == scenario
+
+
+@pytest.mark.parametrize("text", ['a"b', "a\\b", "a\nb", "ü€😀", "\x00\x1f\x7f", "", "]]"])
+def test_any_text_survives_as_toml(text: str) -> None:
+    assert tomllib.loads(toml({"key": text, "list": [text, {"odd key": text}]})) == {"key": text, "list": [text, {"odd key": text}]}
