@@ -160,7 +160,7 @@ def reflex(
     playback: Playback, t_next: float, sensing: Sensing, state: ReflexState, gains: Gains, dt: float = TICK
 ) -> tuple[list[Point], ReflexState]:
     """One tick of Level C: the body-frame foot velocities, m/s, that bring everything to where the plan has it at ``t_next``."""
-    _, (bx, by, _, roll, pitch, yaw), feet_b, soles, _, _ = sensing
+    (bx, by, _, roll, pitch, yaw), feet_b, soles = sensing.body, sensing.feet_b, sensing.soles
     start, body, rate, air, stand, down, feet, ground = playback._stretches[playback.stretch(t_next)]
     s = (0.0 if t_next < 0.0 else t_next if t_next < playback.duration else playback.duration) - start
     x, y, z = body[0] + rate[0] * s, body[1] + rate[1] * s, body[2] + rate[2] * s

@@ -1,4 +1,4 @@
-"""Getting a lifted foot back on the ground while the body stands still: after a stop, or when no ground came at N_{k+1}.
+"""Getting a lifted foot back on the ground while the body stands still: after a stop, or from an emergent motion.
 
 Static stability makes a stop safe at any tick: the other feet carry the body where it is. What is left is the swing foot,
 which goes to the nearest valid ground in its present reach by its own clock.
@@ -33,16 +33,8 @@ def settle_plan(stance: Stance, leg: int, terrain: TerrainMap, machine: Machine,
     if moved < 1e-6:
         top = foot[2]
     knots: list[Point] = [(foot[0], foot[1], top), (landing[0], landing[1], top), _aim(landing, machine, stance, leg, gait)]
-    lengths = ((top - foot[2]) / vertical, moved / across, (top - knots[2][2]) / vertical)
-    return _body_still(stance, leg, [foot, *knots], lengths, landing)
-
-
-def probe_plan(stance: Stance, leg: int, machine: Machine, gait: Gait) -> StepPlan:
-    """Lower the foot of ``leg`` straight down to the bottom of its mechanical reach, body still (H §9.2, case 2)."""
-    foot = stance.feet[leg]
-    bottom = stance.body[2] + machine.legs[leg].z[0] - machine.overreach[2]
-    seconds = max(foot[2] - bottom, 0.0) / (machine.speed[2] / gait.peak)
-    return _body_still(stance, leg, [foot, (foot[0], foot[1], min(bottom, foot[2]))], (max(seconds, 0.02),), foot)
+    seconds = ((top - foot[2]) / vertical, moved / across, (top - knots[2][2]) / vertical)
+    return body_still_plan(stance, leg, [foot, *knots], seconds, (Phase.UP, Phase.RETURN, Phase.DOWN), landing)
 
 
 def nearest_ground(stance: Stance, leg: int, terrain: TerrainMap, machine: Machine) -> Point | None:
@@ -104,11 +96,15 @@ def _aim(landing: Point, machine: Machine, stance: Stance, leg: int, gait: Gait)
     return landing[0], landing[1], min(landing[2], max(landing[2] - gait.lift_up, bottom))
 
 
-def _body_still(stance: Stance, leg: int, foot_knots: list[Point], lengths: tuple[float, ...], landing: Point) -> StepPlan:
-    phases = (Phase.UP, Phase.RETURN, Phase.DOWN) if len(lengths) == 3 else (Phase.DOWN,)
-    kept = [0, *(k for k, seconds in enumerate(lengths, 1) if seconds > 0.0)]
-    times = np.cumsum([0.0, *(lengths[k - 1] for k in kept[1:])])
-    feet = np.array([[foot_knots[k] if i == leg else foot for i, foot in enumerate(stance.feet)] for k in kept])
+def body_still_plan(
+    stance: Stance, leg: int, knots: list[Point], seconds: tuple[float, ...], phases: tuple[Phase, ...], landing: Point
+) -> StepPlan:
+    """One foot goes along ``knots`` (the first is where it is), ``seconds`` and a phase per stretch; the body stays where it is."""
+    kept = [0, *(k for k, duration in enumerate(seconds, 1) if duration > 0.0)]
+    if len(kept) == 1:  # nowhere to go: one tick of staying
+        kept, knots, seconds = [0, 1], [knots[0], knots[0]], (0.02,)
+    times = np.cumsum([0.0, *(seconds[k - 1] for k in kept[1:])])
+    feet = np.array([[knots[k] if i == leg else foot for i, foot in enumerate(stance.feet)] for k in kept])
     body = np.array([stance.body] * len(kept))
     ends = tuple(landing if i == leg else foot for i, foot in enumerate(stance.feet))
     return StepPlan(

@@ -141,3 +141,4 @@ class Sensing(NamedTuple):
     soles: tuple[bool, ...]
     whiskers: tuple[int, ...]  # per leg, one bit per direction of eight (bit 0 = body +x, counter-clockwise), 0 = free
     slipping: tuple[bool, ...]
+    rims: tuple[int, ...] = ()  # per leg, one bit per direction of eight in which the sole hangs over; () = no such sensor

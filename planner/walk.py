@@ -13,14 +13,16 @@ import math
 from collections.abc import Callable, Generator
 from dataclasses import replace
 
+from .emergent import HITS_MAX, KINDS, Encounter, Event, Situation, State, at_top, cell_of, edge_cells, felt_ahead, motion
 from .machine import Machine
 from .reflex import Gains, Playback, ReflexState, holding_plan, reflex
-from .settle import probe_plan, settle_plan
+from .settle import settle_plan
 from .terrain import TerrainMap
 from .vocabulary import Blocked, Command, Gait, Mode, Phase, Point, Sensing, Stance, StepPlan
 
 DT = 0.02  # s, the tick of Level C (H §10.2)
 SAME_PLACE = 1e-6  # m; a stance this close to the plan's end is taken to be it
+WHISKER_TIP = 0.05  # m beyond the rim of the foot: how far whiskers feel
 LANDED_AS_PLANNED = 0.02  # m; a foot set down farther from J_u than this has not finished its step
 
 PlanStep = Callable[[Stance, Command, TerrainMap], StepPlan | Blocked]
@@ -46,7 +48,8 @@ class Walk:
         self.gains = gains or Gains()
         self.stance = stance  # at the last N_k
         self.playback = Playback(holding_plan(stance))
-        self.kind = "stand"  # stand | step | settle | probe | hover
+        self.kind = "stand"  # stand | step | settle | emergent | hover
+        self.encounter: Encounter | None = None  # the emergent motion under way
         self.t = 0.0  # s into the running plan
         self.pace = 0.0  # plan seconds per second, this tick
         self.reflexes = ReflexState.begin(len(machine.legs))
@@ -74,9 +77,11 @@ class Walk:
 
     @property
     def mode(self) -> Mode:
-        if self.kind in ("settle", "hover"):
-            return Mode.BLOCKED if self.blocked else Mode.SETTLE
-        if self.kind == "probe":
+        if self.kind == "hover":
+            return Mode.BLOCKED
+        if self.kind == "settle":
+            return Mode.SETTLE
+        if self.kind == "emergent":
             return Mode.EMERGENT
         if self.kind == "stand":
             return Mode.BLOCKED if self.blocked else Mode.STAND
@@ -111,11 +116,13 @@ class Walk:
         elif self.kind == "step":
             if command.holds:
                 self._stop(sensing, terrain)
-            else:
+            elif not self._surprised(sensing, terrain):
                 self._consider(self.plan.end, command, terrain)
+        elif self.kind == "emergent":
+            self._react(sensing, command, terrain)
         elif self.kind == "hover":
             if not command.holds:
-                self.kind, self.blocked = self._hovered, None
+                self._go_on(sensing, terrain)
         elif all(self.reflexes.landed[i] for i in self.plan.swing):
             self._rest(self._actual(sensing, self._after_settling(sensing)))
             if not command.holds:
@@ -134,8 +141,10 @@ class Walk:
         if t_next < self.playback.duration - 1e-9:
             return t_next
         left = (t_next - self.playback.duration) / self.pace if self.pace > 0.0 else 0.0
-        if self.kind != "step":
-            return self._bottom_reached(sensing, terrain)
+        if self.kind == "emergent":
+            return self.playback.duration
+        if self.kind == "settle":
+            return self._no_ground(sensing, terrain)
         return self._switch(sensing, command, terrain, max(left, 0.0))
 
     def _pace_for(self, command: Command) -> float:
@@ -156,7 +165,7 @@ class Walk:
         plan = self.plan
         airborne = [i for i in plan.swing if i not in plan.end.lifted and not self.reflexes.landed[i]]
         if airborne:
-            return self._probe(sensing, airborne[0])
+            return self._no_ground(sensing, terrain)
         stance = self._actual(sensing, plan.end)
         self._finish(replace(plan, end=stance))
         self._consider(stance, command, terrain)
@@ -250,6 +259,12 @@ class Walk:
 
     _hovered = "step"
 
+    def _go_on(self, sensing: Sensing, terrain: TerrainMap) -> None:
+        """From hovering: the step goes on where it was held; a stranded foot searches again."""
+        self.kind, self.blocked = self._hovered, None
+        if self.kind == "emergent" and self.encounter is not None:
+            self._follow(self.encounter.after(Event.ORDER), sensing, None, terrain)
+
     def _play(self, plan: StepPlan, kind: str) -> None:
         self._interrupted = self.plan if self.kind == "step" else self._interrupted
         self.playback = Playback(plan)
@@ -260,7 +275,7 @@ class Walk:
 
     def _after_settling(self, sensing: Sensing) -> Stance:
         """What the planner should remember after a step that was cut short: who swung last, if anybody did."""
-        plan = self._interrupted if self.kind in ("settle", "probe") else self.plan
+        plan = self._interrupted if self.kind in ("settle", "emergent") else self.plan
         if plan is None or plan.landing is None or not plan.swing:
             return self.stance
         u = plan.swing[0]
@@ -269,13 +284,14 @@ class Walk:
         return replace(plan.end, last_swing=u if finished else self.stance.last_swing, lifted=())
 
     def _rest(self, stance: Stance, keep_thinking: bool = False) -> None:
-        if self.kind in ("settle", "probe") and self._interrupted is not None:
+        if self.kind in ("settle", "emergent") and self._interrupted is not None:
             self._finish(replace(self._interrupted, end=stance))
             self._interrupted = None
         self.stance = stance
         self.playback = Playback(holding_plan(stance))
         self.reflexes = self.reflexes.next_step()
         self.kind, self.t, self.pace = "stand", 0.0, 0.0
+        self.encounter = None
         self.blocked = None
         self._refused = None
         if not keep_thinking:
@@ -285,28 +301,132 @@ class Walk:
     def _finish(self, plan: StepPlan) -> None:
         self.executed = plan
 
-    # no ground at N_{k+1}: H §9.2, case 2
+    # emergent motions: H §9
 
-    def _probe(self, sensing: Sensing, leg: int) -> float:
-        """The body stops at once and the foot goes straight down to the bottom of its mechanical reach."""
-        self.emergent["no ground"] = self.emergent.get("no ground", 0) + 1
-        self._play(probe_plan(self._actual(sensing, self.plan.end), leg, self.machine, self.gait), "probe")
+    def _surprised(self, sensing: Sensing, terrain: TerrainMap) -> bool:
+        """Case 1 or 3 in the running step: the swing foot meets what the map does not show, or its foothold is an edge."""
+        for leg in self.plan.swing:
+            phase = self.plan.phases[self.playback.stretch(self.t)]
+            if phase is Phase.RETURN:
+                felt = self._felt(leg, sensing, terrain)
+                if felt is not None:
+                    self._meet(Event.HIT, leg, sensing, felt, terrain)
+                    return True
+            elif phase is Phase.DOWN and sensing.soles[leg] and not self.reflexes.landed[leg] and self._hangs_over(leg, sensing):
+                self._meet(Event.EDGE, leg, sensing, self._over(leg, sensing), terrain)
+                return True
+        return False
+
+    def _no_ground(self, sensing: Sensing, terrain: TerrainMap) -> float:
+        """Case 2: the step is over and a foot has found no ground."""
+        leg = next(i for i in self.plan.swing if not self.reflexes.landed[i])
+        self._meet(Event.NO_GROUND, leg, sensing, None, terrain)
         self.pace = 1.0
         return 0.0
 
-    def _bottom_reached(self, sensing: Sensing, terrain: TerrainMap) -> float:
-        """Nothing below: remember the cell as prohibited and put the foot somewhere else."""
-        leg = self.plan.swing[0]
+    def _meet(self, event: Event, leg: int, sensing: Sensing, bearing: float | None, terrain: TerrainMap) -> None:
+        """The body stops in this tick; what the foot does next is the table's to say."""
+        self.emergent[KINDS[event]] = self.emergent.get(KINDS[event], 0) + 1
+        landing = self.plan.landing or self.plan.end.feet[leg]
+        self._learn(event, leg, sensing, bearing, terrain)
+        self._follow(Encounter(State.NORMAL, leg, landing).after(event), sensing, bearing, terrain)
+        self.flags = (True, False, True)
+
+    def _react(self, sensing: Sensing, command: Command, terrain: TerrainMap) -> None:
+        """One tick of an emergent motion: has something happened that the table knows?"""
+        encounter = self.encounter
+        if encounter is None:
+            return
+        bearing = self._felt(encounter.leg, sensing, terrain)
+        event = self._event(encounter, sensing, bearing)
+        if event is None:
+            return
+        self._learn(event, encounter.leg, sensing, bearing, terrain)
+        self._follow(encounter.after(event), sensing, bearing, terrain)
+        if self.kind == "stand" and not command.holds:
+            self._start(sensing, command, terrain)
+
+    def _event(self, encounter: Encounter, sensing: Sensing, bearing: float | None) -> Event | None:
+        phase = self.plan.phases[self.playback.stretch(self.t)]
+        if phase is Phase.DOWN and sensing.soles[encounter.leg]:
+            return Event.EDGE if self._hangs_over(encounter.leg, sensing) else Event.LANDED
+        moving_on = encounter.state in (State.RETRY, State.PLACE, State.RETRACE)
+        if phase is Phase.RETURN and bearing is not None and moving_on:
+            return Event.HIT
+        if self.t < self.playback.duration - 1e-9:
+            return None
+        if encounter.state is State.CLIMB:
+            free = self._felt_towards(encounter, sensing) is None
+            here = self._actual(sensing, self.plan.end)
+            high = at_top(here, encounter.leg, self.machine) or encounter.hits >= HITS_MAX
+            return Event.TOP if high and not free else Event.CLEAR if free else Event.DONE
+        return Event.NO_GROUND if phase is Phase.DOWN else Event.DONE
+
+    def _follow(self, encounter: Encounter, sensing: Sensing, bearing: float | None, terrain: TerrainMap) -> None:
+        """Do what the encounter's new state says; a search is answered at once."""
         here = self._actual(sensing, self.plan.end)
-        cell = terrain.cell_at(here.feet[leg][0], here.feet[leg][1])
-        if cell is not None:
-            self._learnt.add(cell)
-        settling = settle_plan(here, leg, terrain.forbid(self._learnt), self.machine, self.gait)
-        if isinstance(settling, Blocked):
-            self._hover(settling)
-            return self.t
-        self._play(settling, "settle")
-        return 0.0
+        if encounter.state is State.NORMAL:
+            self._rest(self._actual(sensing, self._after_settling(sensing)))
+            return
+        answer: StepPlan | Blocked
+        if encounter.state is State.SEARCH:
+            found = replace(encounter, state=State.PLACE)
+            answer = motion(found, Situation(here, bearing, terrain.forbid(self._learnt), self.machine, self.gait))
+            encounter = encounter.after(Event.NOTHING if isinstance(answer, Blocked) else Event.FOUND)
+        else:
+            answer = motion(encounter, Situation(here, bearing, terrain, self.machine, self.gait))
+        if isinstance(answer, Blocked):
+            self.kind, self.encounter = "emergent", encounter
+            self._hover(answer)
+        else:
+            self._play(answer, "emergent")
+            self.encounter = encounter
+
+    def _learn(self, event: Event, leg: int, sensing: Sensing, bearing: float | None, terrain: TerrainMap) -> None:
+        """What touch has shown is no ground: one cell, or a rectangle along an edge whose direction was felt."""
+        foot = feet_absolute(sensing)[leg]
+        if event is Event.TOP or (event is Event.HIT and self.encounter is not None and self.encounter.state is State.PLACE):
+            known = self._felt_towards(self.encounter, sensing) if self.encounter is not None else bearing
+            self._learnt |= cell_of(foot, terrain) if known is None else edge_cells(foot, known, terrain)
+        elif event is Event.NO_GROUND and self.kind in ("emergent", "settle"):
+            self._learnt |= cell_of(foot, terrain)
+        elif event is Event.EDGE:
+            over = self._over(leg, sensing)
+            self._learnt |= cell_of(foot, terrain) if over is None else edge_cells(foot, over, terrain) | cell_of(foot, terrain)
+
+    def _felt(self, leg: int, sensing: Sensing, terrain: TerrainMap) -> float | None:
+        """Absolute bearing of something felt on the foot's way that the map does not show; None when there is nothing."""
+        bits = sensing.whiskers[leg]
+        if not bits:
+            return None
+        yaw = sensing.body[5]
+        here = self.playback.foot_at(leg, self.t)
+        there = self.playback.foot_at(leg, min(self.t + 0.1, self.playback.duration))
+        if here[0] == there[0] and here[1] == there[1]:
+            return None
+        ahead = felt_ahead(bits, math.atan2(there[1] - here[1], there[0] - here[0]) - yaw)
+        if ahead is None:
+            return None
+        foot, bearing = feet_absolute(sensing)[leg], ahead + yaw
+        reach = self.machine.foot_radius + WHISKER_TIP
+        shown = terrain.crest_between(foot[0], foot[1], foot[0] + reach * math.cos(bearing), foot[1] + reach * math.sin(bearing))
+        return None if shown > foot[2] else bearing
+
+    def _felt_towards(self, encounter: Encounter, sensing: Sensing) -> float | None:
+        """Absolute bearing of something felt between the foot and where it was to land."""
+        foot, yaw = feet_absolute(sensing)[encounter.leg], sensing.body[5]
+        ahead = felt_ahead(sensing.whiskers[encounter.leg], math.atan2(encounter.goal[1] - foot[1], encounter.goal[0] - foot[0]) - yaw)
+        return None if ahead is None else ahead + yaw
+
+    def _hangs_over(self, leg: int, sensing: Sensing) -> bool:
+        return bool(sensing.rims) and sensing.rims[leg] != 0
+
+    def _over(self, leg: int, sensing: Sensing) -> float | None:
+        """Absolute direction in which the sole hangs over."""
+        bits = sensing.rims[leg] if sensing.rims else 0
+        angles = [k * math.pi / 4 for k in range(8) if bits >> k & 1]
+        sine, cosine = sum(map(math.sin, angles)), sum(map(math.cos, angles))
+        return None if math.hypot(sine, cosine) < 1e-9 else math.atan2(sine, cosine) + sensing.body[5]
 
     def take_learnt(self) -> set[tuple[int, int]]:
         """Cells touch has shown to be no ground, once; the console adds them to the belief."""
