@@ -87,17 +87,19 @@ class World:
         return bits
 
     def bump(self, body: Sequence[float], feet: Sequence[Sequence[float]]) -> int | None:
-        """What of the machine is in an obstacle: a leg, −1 for the torso, None for nothing. A leg runs from hip to foot."""
+        """What of the machine is in an obstacle: a leg, −1 for the torso, None for nothing."""
         x, y, z, _, _, yaw = body
         c, d = math.cos(yaw), math.sin(yaw)
         if self._torso_hits(x, y, z - self.machine.torso[2] / 2, c, d):
             return -1
-        for leg, ((hx, hy), foot) in enumerate(zip(self._hips, feet, strict=True)):
-            ax, ay = x + c * hx - d * hy, y + d * hx + c * hy
-            for hit in self._space.segment_query((ax, ay), (foot[0], foot[1]), 0.0, ANY):
-                if self._tops_of(hit.shape) > z + hit.alpha * (foot[2] - z) + OVER:
-                    return leg
-        return None
+        return next((leg for leg, foot in enumerate(feet) if self.leg_hits(leg, body, foot)), None)
+
+    def leg_hits(self, leg: int, body: Sequence[float], foot: Sequence[float]) -> bool:
+        """True when something stands in the straight way from a leg's hip, at the height of the body, to its foot."""
+        (hx, hy), c, d = self._hips[leg], math.cos(body[5]), math.sin(body[5])
+        hip = body[0] + c * hx - d * hy, body[1] + d * hx + c * hy
+        hits = self._space.segment_query(hip, (foot[0], foot[1]), 0.0, ANY)
+        return any(self._tops_of(hit.shape) > body[2] + hit.alpha * (foot[2] - body[2]) + OVER for hit in hits)
 
     def _torso_hits(self, x: float, y: float, bottom: float, c: float, d: float) -> bool:
         length, width, _ = self.machine.torso

@@ -15,6 +15,8 @@ Rotation = tuple[float, float, float, float, float, float, float, float, float]
 
 FLAT = 1e-9  # m²; three feet that span less are in one line
 SAME_YAW = 1e-13  # rad; a body that turns by less does not turn
+ON_EDGE = 1e-9  # of a facet; a point this little outside it is on it
+LYING = 2.0  # one over the cosine of a lean that is no standing any more
 TIE = 1e-12  # m; two ways to rest that differ by less are the same height
 
 
@@ -102,13 +104,13 @@ def rest(feet: Sequence[Sequence[float]], lengths: Sequence[float], x: float, y:
     """
     stretch = math.sqrt(1.0 + now.lean_x**2 + now.lean_y**2)
     found: Rest | None = None
-    for _ in range(20):
+    for _ in range(100):  # three in practice; a leaning body takes more
         points = [(f[0], f[1], f[2] - stretch * length) for f, length in zip(feet, lengths, strict=True)]
         found = _upper_facet(points, x, y, now)
         if found is None:
             return None
         before, stretch = stretch, math.sqrt(1.0 + found.lean_x**2 + found.lean_y**2)
-        if abs(stretch - before) < 1e-15:
+        if abs(stretch - before) < 1e-14 or stretch > LYING:
             break
     return found
 
@@ -123,7 +125,7 @@ def _upper_facet(points: Sequence[tuple[float, float, float]], x: float, y: floa
             continue
         v = ((x - ax) * (cy - ay) - (y - ay) * (cx - ax)) / area
         w = ((bx - ax) * (y - ay) - (by - ay) * (x - ax)) / area
-        if v < -TIE or w < -TIE or v + w > 1.0 + TIE:
+        if v < -ON_EDGE or w < -ON_EDGE or v + w > 1.0 + ON_EDGE:
             continue
         slope_x = ((bz - az) * (cy - ay) - (cz - az) * (by - ay)) / area
         slope_y = ((bx - ax) * (cz - az) - (cx - ax) * (bz - az)) / area

@@ -12,7 +12,7 @@ level, so what pushes a foot down a slope is the slope of the cells around it.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -247,6 +247,7 @@ class Plant:
     def _swing(self, steps: Sequence[Step], legs: Sequence[int]) -> None:
         """Feet that carry nothing: they go where they are driven until they touch, and join the support once they stand still."""
         (bx, by, bz, _, _, _), r, joined = self.body, self._turned, False
+        crowded = self.world.crowds(bx, by)
         for leg in legs:
             foot, position, (dx, dy, dz) = self.feet[leg], self._legs[leg], steps[leg]
             px, py, pz = position[0] + dx, position[1] + dy, position[2] + dz
@@ -257,6 +258,9 @@ class Plant:
                 x, y = self._feel(leg, x, y, z)
             elif self.whiskers[leg]:
                 self.whiskers[leg] = 0
+            if crowded and self.world.leg_hits(leg, self.body, (x, y, z)) and not self.world.leg_hits(leg, self.body, foot):
+                self._meet(leg, x - foot[0], y - foot[1])
+                x, y = foot[0], foot[1]
             height = self.ground.height_at(x, y)
             if z - height > TOUCH or height != height:
                 self.soles[leg] = self.slipping[leg] = False
@@ -309,10 +313,14 @@ class Plant:
                 stuck = middle
             else:
                 free = middle
-        bearing = math.atan2(y - foot[1], x - foot[0]) - self.body[5]
-        self.whiskers[leg] |= 1 << round(bearing / (math.pi / 4)) % 8
+        self._meet(leg, x - foot[0], y - foot[1])
         x, y = foot[0] + (x - foot[0]) * free, foot[1] + (y - foot[1]) * free
         return (x, y), ground.height_at(x, y)
+
+    def _meet(self, leg: int, dx: float, dy: float) -> None:
+        """The whisker on the side a foot was going to says that something is there."""
+        bearing = math.atan2(dy, dx) - self.body[5]
+        self.whiskers[leg] |= 1 << round(bearing / (math.pi / 4)) % 8
 
     # -- ticks that are not simple
 
@@ -330,8 +338,14 @@ class Plant:
             self._measure()
         if self._balanced():
             self._rest()
+            heights = [foot[2] for foot in self.feet]
             self._give_way()
             self._slide()
+            if heights != [foot[2] for foot in self.feet]:  # a foot was dragged onto other ground
+                self._rest()
+                self._measure()
+            if self._turned[8] < math.cos(FALL_TILT):  # its legs have laid it down
+                self.state = "fallen"
         else:
             self._start_to_fall()
         self._swing(steps, [leg for leg in free if leg in self._free])
@@ -381,23 +395,30 @@ class Plant:
         x, y = self._load_point()
         if self._holds(x, y):
             return True
+        near = {}
         for leg in self._free:
             foot = self.feet[leg]
             height = self.ground.height_at(foot[0], foot[1])
             if foot[2] - height <= ROCK:
-                foot[2] = height
-                self._carry = sorted((*self._carry, leg))
-        self._free = [leg for leg in self._free if leg not in self._carry]
-        return self._holds(x, y)
+                near[leg] = height
+        if not near or not self._holds(x, y, near):
+            return False
+        for leg, height in near.items():
+            self.feet[leg][2] = height
+        self._carry = sorted((*self._carry, *near))
+        self._free = [leg for leg in self._free if leg not in near]
+        return True
 
-    def _holds(self, x: float, y: float) -> bool:
-        return polygon_margin(support_polygon(self.feet[leg] for leg in self._carry), x, y) >= -TIP_SLACK
+    def _holds(self, x: float, y: float, more: Iterable[int] = ()) -> bool:
+        return polygon_margin(support_polygon(self.feet[leg] for leg in (*self._carry, *more)), x, y) >= -TIP_SLACK
 
     def _rest(self) -> None:
         """Lay the body on its feet; feet that then hang by more than a sole gives are let go."""
         x, y, z, roll, pitch, yaw = self.body
         now = Rest(z, *lean(self._turned))
         polygon = support_polygon(self.feet[leg] for leg in self._carry)
+        if len(polygon) < 3:
+            return
         px, py = nearest_inside(polygon, *self._load_point())
         feet = [(self.feet[leg][0] - x, self.feet[leg][1] - y, self.feet[leg][2]) for leg in self._carry]
         lengths = [self._legs[leg][2] for leg in self._carry]
