@@ -8,7 +8,12 @@ rectangle (K's existence segment; its right end is H's g_i, §5.2 (4)-(9)).
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 Box = tuple[float, float, float, float]  # x_min, x_max, y_min, y_max in body axes
 EDGE = 1e-9  # m; a foot this far outside its rectangle counts as on the edge: rounding, not a fault
@@ -139,3 +144,50 @@ def _edge_angles(cx: float, cy: float, radius: float, box: Box) -> list[float]:
 
 def _inside(x: float, y: float, box: Box) -> bool:
     return box[0] - EDGE <= x <= box[1] + EDGE and box[2] - EDGE <= y <= box[3] + EDGE
+
+
+@dataclass(frozen=True, eq=False)
+class Sampled:
+    """A course of any shape as poses at equal steps of s (K "motion trace"), straight between samples; absolute frame.
+
+    Planning on it talks about sample numbers: between two samples a standing foot moves straight in body axes (with a fixed
+    yaw; otherwise within 0.1 mm for a step of 0.01 m), so what holds at both samples holds between them: rectangles and
+    support polygons are convex.
+    """
+
+    step: float  # m of s between samples
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    yaw: NDArray[np.float64]  # rad, not wrapped
+
+    def __post_init__(self) -> None:
+        if not len(self.x) == len(self.y) == len(self.yaw) >= 1:
+            raise ValueError(f"a course needs as many x, y and yaw, at least one: got {len(self.x)}, {len(self.y)}, {len(self.yaw)}")
+        for array in (self.x, self.y, self.yaw):
+            array.setflags(write=False)
+
+    @property
+    def last(self) -> int:
+        """Number of the last sample."""
+        return len(self.x) - 1
+
+    @property
+    def length(self) -> float:
+        return self.last * self.step
+
+    @cached_property
+    def turns(self) -> bool:
+        """True when the yaw changes along the course."""
+        return bool(np.ptp(self.yaw) > 1e-9)
+
+    def pose(self, s: float) -> tuple[float, float, float]:
+        """x, y, yaw after s; held at the ends."""
+        at = min(max(s / self.step, 0.0), float(self.last))
+        k = min(int(at), max(self.last - 1, 0))
+        part, nxt = at - k, min(k + 1, self.last)
+        x, y, yaw = self.x, self.y, self.yaw
+        return (
+            float(x[k] + part * (x[nxt] - x[k])),
+            float(y[k] + part * (y[nxt] - y[k])),
+            float(yaw[k] + part * (yaw[nxt] - yaw[k])),
+        )

@@ -1,0 +1,323 @@
+"""Footholds and their existence segments (K "calculation of footholds"), on a window of a sampled course.
+
+A foothold of a leg exists on the samples over which it stays inside the leg's reach box in one go. A set of standing feet
+exists where all its footholds do and the centre of gravity is at least the margin inside their polygon. Both are kept as
+integers with one bit a sample (bit 0 = first sample of the window): intersections, first and last samples are then
+single operations on integers, and a whole search costs a few milliseconds.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..course import EDGE, Box
+from ..machine import Machine
+from ..terrain import TerrainMap
+from ..vocabulary import Array, Point
+
+MARGIN = 0.01  # m, least stability margin planned for
+CHUNK = 64  # samples looked at together: wider wastes work on footholds far away
+DENSE = 16  # footholds a leg's rectangle may hold before the ground is thinned out
+AIR = -1  # in a tuple of feet: this leg is in the air
+
+Feet = tuple[int, ...]  # a foothold's number for every leg, AIR where there is none
+
+
+class Foothold(NamedTuple):
+    """A point a leg can stand on. ``last`` is K's S2 on the trace itself: the last sample of the window in reach."""
+
+    leg: int
+    x: float
+    y: float
+    z: float
+    last: int
+
+
+class Lane(NamedTuple):
+    """The body's poses over the window: row r is the trace moved sideways by offset r; row 0 is the trace itself."""
+
+    x: Array  # (rows, count)
+    y: Array
+    yaw: Array  # (count,), the same in every row
+    z: Array  # (count,), height of the centre of gravity
+
+
+class Field:
+    """All footholds within reach of a lane, and which sets of them carry the machine where.
+
+    Sample ``k`` of row ``r`` is bit ``r * width + k``; the bit after each row stays empty, so runs never cross rows.
+    """
+
+    def __init__(self, lane: Lane, terrain: TerrainMap, machine: Machine, *, thin: int = 1, margin: float = MARGIN) -> None:
+        self.lane, self.terrain, self.machine, self.margin = lane, terrain, machine, margin
+        self.rows, self.count = lane.x.shape
+        self.width = self.count + 1
+        self.turns = bool(np.ptp(lane.yaw) > 1e-9)
+        self.everywhere: int = sum(((1 << self.count) - 1) << (r * self.width) for r in range(self.rows))
+        self.holds: list[Foothold] = []
+        self.reach: list[int] = []  # existence segments as bits
+        self.by_leg: list[list[int]] = [[] for _ in machine.legs]
+        pad = ((0, 0), (0, 1))
+        self._x, self._y = np.pad(lane.x, pad).ravel(), np.pad(lane.y, pad).ravel()
+        self._row = (1 << self.width) - 1
+        self._edges: dict[tuple[int, int], int] = {}
+        self._stable: dict[Feet, int] = {}
+        self._valid: dict[Feet, int] = {}
+        px, py, pz = allowed_cells(lane, terrain, machine, thin)
+        for leg in range(len(machine.legs)):
+            self._find(leg, px, py, pz)
+
+    # finding footholds
+
+    def _find(self, leg: int, px: Array, py: Array, pz: Array) -> None:
+        if not len(px):
+            return
+        exists = self._exists(leg, px, py, pz)
+        usable = np.nonzero(exists.any(axis=(1, 2)))[0]
+        packed = np.packbits(np.pad(exists[usable], ((0, 0), (0, 0), (0, 1))).reshape(len(usable), -1), axis=1, bitorder="little")
+        for p, bits in zip(usable.tolist(), packed, strict=True):
+            self._add(leg, (float(px[p]), float(py[p]), float(pz[p])), int.from_bytes(bits.tobytes(), "little"))
+
+    def _exists(self, leg: int, px: Array, py: Array, pz: Array) -> NDArray[np.bool_]:
+        """(points, rows, samples): where each point is inside the leg's reach box."""
+        exists = np.zeros((len(px), self.rows, self.count), dtype=bool)
+        box, z = self.machine.legs[leg].box, self.machine.legs[leg].z
+        for begin in range(0, self.count, CHUNK):
+            part = slice(begin, min(begin + CHUNK, self.count))
+            near = self._near(px, py, box, part)
+            if len(near):
+                exists[near, :, part] = self._inside(px[near], py[near], box, part)
+        if not self.terrain.is_level:
+            depth = pz[:, None] - self.lane.z
+            exists &= ((depth >= z[0] - EDGE) & (depth <= z[1] + EDGE))[:, None, :]
+        return exists
+
+    def _inside(self, px: Array, py: Array, box: Box, part: slice) -> NDArray[np.bool_]:
+        yaw = self.lane.yaw[part]
+        dx, dy = px[:, None, None] - self.lane.x[:, part], py[:, None, None] - self.lane.y[:, part]
+        if self.turns or yaw[0] != 0.0:
+            c, d = (np.cos(yaw), np.sin(yaw)) if self.turns else (math.cos(yaw[0]), math.sin(yaw[0]))
+            dx, dy = c * dx + d * dy, c * dy - d * dx
+        within = (dx >= box[0] - EDGE) & (dx <= box[1] + EDGE) & (dy >= box[2] - EDGE) & (dy <= box[3] + EDGE)
+        return np.asarray(within)
+
+    def _near(self, px: Array, py: Array, box: Box, part: slice) -> NDArray[np.int64]:
+        """Points that some sample of the part could bring into the rectangle."""
+        x, y = self.lane.x[:, part], self.lane.y[:, part]
+        low_x, high_x, low_y, high_y = box
+        if self.turns or self.lane.yaw[0] != 0.0:
+            high_x = high_y = max(math.hypot(bx, by) for bx in box[:2] for by in box[2:])
+            low_x = low_y = -high_x
+        inside = (px >= x.min() + low_x - EDGE) & (px <= x.max() + high_x + EDGE)
+        inside &= (py >= y.min() + low_y - EDGE) & (py <= y.max() + high_y + EDGE)
+        return np.nonzero(inside)[0]
+
+    def _add(self, leg: int, point: Point, mask: int) -> int:
+        number = len(self.holds)
+        on_trace = mask & self._row
+        self.holds.append(Foothold(leg, *point, on_trace.bit_length() - 1))
+        self.by_leg[leg].append(number)
+        self.reach.append(mask)
+        return number
+
+    def stand(self, leg: int, foot: Point, sample: int) -> int:
+        """The foothold a leg stands on now, as a numbered one; a foot out of reach can only stand where it is."""
+        for number in self.by_leg[leg]:
+            hold = self.holds[number]
+            if abs(hold.x - foot[0]) < 1e-9 and abs(hold.y - foot[1]) < 1e-9:
+                return number
+        exists = self._exists(leg, *(np.array([v]) for v in foot))
+        mask = _bits(np.pad(exists[0], ((0, 0), (0, 1))).ravel())
+        return self._add(leg, foot, mask | 1 << sample)
+
+    # which sets of feet carry where
+
+    def stable(self, feet: Feet) -> int:
+        """Samples at which the centre of gravity is the margin inside the polygon of the standing feet."""
+        mask = self._stable.get(feet)
+        if mask is None:
+            mask = self._stable[feet] = self._stability(feet)
+        return mask
+
+    def _stability(self, feet: Feet) -> int:
+        holds = self.holds
+        corners = sorted([(holds[f].x, holds[f].y, f) for f in feet if f >= 0])
+        if len(corners) < 3:
+            return 0
+        mask = self.everywhere
+        edges = self._edges
+        for side in (corners, corners[::-1]):
+            chain: list[tuple[float, float, int]] = []
+            for corner in side:
+                x, y = corner[0], corner[1]
+                while len(chain) > 1:
+                    ax, ay, _ = chain[-2]
+                    bx, by, _ = chain[-1]
+                    if (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0.0:
+                        break
+                    chain.pop()
+                chain.append(corner)
+            a = chain[0][2]
+            for _, _, b in chain[1:]:
+                edge = edges.get((a, b))
+                if edge is None:
+                    edge = edges[a, b] = self._edge(a, b)
+                mask &= edge
+                if not mask:
+                    return 0
+                a = b
+        return mask
+
+    def _edge(self, a: int, b: int) -> int:
+        """Samples at which the centre of gravity is the margin to the left of the line from foothold a to b."""
+        p, q = self.holds[a], self.holds[b]
+        ex, ey = q.x - p.x, q.y - p.y
+        length = math.sqrt(ex * ex + ey * ey)
+        if length < EDGE:
+            return 0
+        distance = (ex / length) * self._y
+        distance -= (ey / length) * self._x
+        return _bits(distance >= self.margin - EDGE + (ex * p.y - ey * p.x) / length)
+
+    def valid(self, feet: Feet) -> int:
+        """Existence segments of a state: samples at which every standing foot is in reach and the machine is stable."""
+        mask = self._valid.get(feet)
+        if mask is None:
+            mask = self.stable(feet)
+            if mask:
+                reach = self.reach
+                for f in feet:
+                    if f >= 0:
+                        mask &= reach[f]
+            self._valid[feet] = mask
+        return mask
+
+    # places: unbroken parts of a mask
+
+    def place(self, mask: int, sample: int) -> int:
+        """The unbroken part of ``mask`` that contains ``sample``: runs along rows, joined where two rows have a sample in common.
+
+        (The body may go straight from one row to another at the same sample: what is valid at both ends is so between.)
+        """
+        run = span(run_start(mask, sample), run_end(mask, sample))
+        if self.rows == 1:
+            return run
+        found, fresh = run, run
+        while fresh:
+            beside = 0
+            for shift in range(self.width, self.rows * self.width, self.width):
+                beside |= fresh << shift | fresh >> shift
+            beside &= mask & ~found
+            fresh = 0
+            while beside:
+                at = first_bit(beside)
+                run = span(run_start(mask, at), run_end(mask, at))
+                fresh |= run
+                beside &= ~run
+            found |= fresh
+        return found
+
+    def farthest(self, place: int) -> int:
+        """The last sample of the trace a place reaches, in any row."""
+        if self.rows == 1:
+            return place.bit_length() - 1
+        most = -1
+        while place:
+            most = max(most, (place & self._row).bit_length() - 1)
+            place >>= self.width
+        return most
+
+    def nearest(self, place: int, sample: int) -> int:
+        """Where in a place to be, coming from ``sample``: onward rather than back, near rather than far, near the trace."""
+        if self.rows == 1:
+            ahead = place >> sample
+            return sample + first_bit(ahead) if ahead else place.bit_length() - 1
+        k = sample % self.width
+        best, least = -1, math.inf
+        for r in range(self.rows):
+            row = place >> (r * self.width) & self._row
+            if row:
+                ahead = row >> k
+                at = k + first_bit(ahead) if ahead else row.bit_length() - 1
+                cost = (at - k if at >= k else 10 * (k - at)) + 5 * ((r + 1) // 2)
+                if cost < least:
+                    best, least = r * self.width + at, cost
+        return best
+
+
+def _bits(flags: NDArray[np.bool_]) -> int:
+    return int.from_bytes(np.packbits(flags, bitorder="little").tobytes(), "little")
+
+
+def first_bit(mask: int) -> int:
+    """Lowest sample in a non-empty mask."""
+    return (mask & -mask).bit_length() - 1
+
+
+def run_end(mask: int, sample: int) -> int:
+    """Last sample of the unbroken run of ``mask`` that contains ``sample``."""
+    rest = ~(mask >> sample)
+    return sample + (rest & -rest).bit_length() - 2
+
+
+def run_start(mask: int, sample: int) -> int:
+    """First sample of the unbroken run of ``mask`` that contains ``sample``."""
+    gaps = ~mask & ((1 << sample) - 1)
+    return gaps.bit_length()
+
+
+def span(first: int, last: int) -> int:
+    """A mask of samples first..last; empty when last < first."""
+    return ((1 << (last - first + 1)) - 1) << first if last >= first else 0
+
+
+def _patch(lane: Lane, terrain: TerrainMap, machine: Machine) -> tuple[int, int, int, int]:
+    """Rows and columns of the map within reach of the lane: r0, r1, c0, c1."""
+    radius = max(math.hypot(x, y) for leg in machine.legs for x in leg.x for y in leg.y)
+    c0, c1 = _cells(float(lane.x.min()) - radius, float(lane.x.max()) + radius, terrain.origin[0], terrain.cell, terrain.columns)
+    r0, r1 = _cells(float(lane.y.min()) - radius, float(lane.y.max()) + radius, terrain.origin[1], terrain.cell, terrain.rows)
+    return r0, r1, c0, c1
+
+
+def _cells(low: float, high: float, origin: float, cell: float, count: int) -> tuple[int, int]:
+    return min(max(math.floor((low - origin) / cell), 0), count), min(max(math.floor((high - origin) / cell) + 1, 0), count)
+
+
+def allowed_cells(lane: Lane, terrain: TerrainMap, machine: Machine, thin: int) -> tuple[Array, Array, Array]:
+    """Centres and heights of the cells a foot may land on within reach of the lane; one of thin x thin when thinned."""
+    r0, r1, c0, c1 = _patch(lane, terrain, machine)
+    rows, columns = np.nonzero(~terrain.forbidden[r0:r1, c0:c1])
+    rows, columns = rows + r0, columns + c0
+    if thin > 1 and len(rows):
+        _, kept = np.unique((rows // thin) * terrain.columns + columns // thin, return_index=True)
+        rows, columns = rows[kept], columns[kept]
+    px = np.asarray(terrain.origin[0] + (columns + 0.5) * terrain.cell, dtype=np.float64)
+    py = np.asarray(terrain.origin[1] + (rows + 0.5) * terrain.cell, dtype=np.float64)
+    return px, py, np.asarray(terrain.heights[rows, columns], dtype=np.float64)
+
+
+def thinning(lane: Lane, terrain: TerrainMap, machine: Machine) -> int:
+    """How coarsely dense ground may be sampled so that a leg's rectangle still offers about DENSE footholds."""
+    r0, r1, c0, c1 = _patch(lane, terrain, machine)
+    patch = terrain.forbidden[r0:r1, c0:c1]
+    if not patch.size:
+        return 1
+    allowed = 1.0 - float(np.count_nonzero(patch)) / patch.size
+    area = max((leg.x[1] - leg.x[0]) * (leg.y[1] - leg.y[0]) for leg in machine.legs)
+    return max(1, math.floor(math.sqrt(allowed * area / terrain.cell**2 / DENSE) + 0.5))
+
+
+def legs_clear(holds: Sequence[Foothold], feet: Feet, hold: Foothold, radius: float) -> bool:
+    """K's second truncation: a foot set down here stands clear of every other standing foot."""
+    apart = (2 * radius) ** 2 - EDGE
+    for f in feet:
+        if f >= 0:
+            other = holds[f]
+            if other.leg != hold.leg and (other.x - hold.x) ** 2 + (other.y - hold.y) ** 2 < apart:
+                return False
+    return True
