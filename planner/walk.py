@@ -348,7 +348,7 @@ class Walk:
 
     def _event(self, encounter: Encounter, sensing: Sensing, bearing: float | None) -> Event | None:
         phase = self.plan.phases[self.playback.stretch(self.t)]
-        if phase is Phase.DOWN and sensing.soles[encounter.leg]:
+        if phase is Phase.DOWN and self.reflexes.landed[encounter.leg]:
             return Event.EDGE if self._hangs_over(encounter.leg, sensing) else Event.LANDED
         moving_on = encounter.state in (State.RETRY, State.PLACE, State.RETRACE)
         if phase is Phase.RETURN and bearing is not None and moving_on:
