@@ -1,0 +1,103 @@
+"""Walks over ground the map does not show: touch decides (H §9)."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from planner.emergent import TABLE, Event, State
+from planner.support import MARGIN_SLACK
+from planner.terrain import TerrainMap
+from planner.vocabulary import Command, Mode
+from server.console import Console, prepare
+from sim.scenarios import load_scenario
+
+SLOW = Command(0.0, 0.05)
+
+
+def blind(scenario, *settings):
+    """A console whose belief is flat ground at height 0, whatever the world is."""
+    world = prepare(load_scenario(scenario, settings))
+    known = world.belief
+    flat = TerrainMap(np.zeros_like(known.heights), np.zeros_like(known.forbidden), known.cell, known.origin)
+    return Console(replace(world, belief=flat))
+
+
+def states_met(console, command, ticks):
+    """Walk on and collect the emergent states passed; the margin and the machine must hold throughout."""
+    met, console_states = set(), []
+    console.order(command)
+    for _ in range(ticks):
+        console.tick()
+        state = console.walk.encounter.state if console.walk.encounter else State.NORMAL
+        if state not in met or not console_states or console_states[-1] is not state:
+            console_states.append(state)
+        met.add(state)
+        assert console.mode not in (Mode.TIPPING, Mode.FALLEN), console.reason
+        assert console.margins(console.walk.carrying())[0] >= -MARGIN_SLACK
+    return console_states
+
+
+def test_every_state_has_a_way_in_and_a_way_out():
+    into, out = {after for after in TABLE.values()}, {state for state, _ in TABLE}
+    assert into == out == set(State)
+
+
+def test_every_event_is_known_somewhere():
+    assert {event for _, event in TABLE} == set(Event)
+
+
+@pytest.mark.parametrize(("scenario", "ticks", "way"), [("stairs-up", 5000, 3.0), ("block", 5000, 3.0), ("holes", 4000, 2.5)])
+def test_it_walks_blind_over_ground_it_has_no_map_of(scenario, ticks, way):
+    console = blind(scenario)
+    states_met(console, SLOW, ticks)
+    assert console.distance > way, console.reason
+    assert sum(console.walk.emergent.values()) > 0
+
+
+def test_a_hit_stops_the_body_within_one_tick_and_the_foot_goes_back_up_and_over():
+    console = blind("stairs-up")
+    console.order(SLOW)
+    for _ in range(5000):
+        before = console.plant.whiskers[:]
+        console.tick()
+        if any(console.plant.whiskers) and not any(before):
+            break
+    x = console.plant.body[0]
+    console.tick()  # the contact is sensed in this tick
+    assert console.mode is Mode.EMERGENT
+    assert console.plant.body[0] == pytest.approx(x, abs=1e-9)
+    sequence = states_met(console, SLOW, 400)
+    assert sequence[:2] == [State.RETRACE, State.RETRY]
+    assert State.NORMAL in sequence
+
+
+def test_a_higher_obstacle_is_climbed_in_steps():
+    console = blind("block", "terrain.height=0.25")
+    assert State.CLIMB in states_met(console, SLOW, 4000)
+
+
+def test_missing_ground_is_searched_below_marked_and_the_foot_put_elsewhere():
+    console = blind("holes", "terrain.fraction=0.2")
+    begun = console.belief.forbidden.sum()
+    sequence = states_met(console, SLOW, 4000)
+    assert State.DESCEND in sequence and State.PLACE in sequence
+    assert console.belief.forbidden.sum() > begun
+    assert console.walk.emergent.get("no ground", 0) > 0
+
+
+def test_a_pole_in_the_way_is_marked_on_the_map():
+    console = blind("poles")
+    sequence = states_met(console, SLOW, 6000)
+    assert State.RETRACE in sequence
+
+
+def test_what_was_learnt_stays_learnt():
+    console = blind("holes", "terrain.fraction=0.2")
+    console.order(SLOW)
+    known = 0
+    for _ in range(4000):
+        console.tick()
+        forbidden = int(console.belief.forbidden.sum())
+        assert forbidden >= known
+        known = forbidden
