@@ -1,0 +1,285 @@
+"""Level B1: straight where that can be walked, a trapezoid round what cannot be crossed, back to the line, else a reason."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from planner.crab.route import ON_LINE, RouteState, plan_route
+from planner.crab.survey import FIT, Region, Survey
+from planner.machine import load_machine
+from planner.terrain import TerrainMap
+from planner.vocabulary import Blocked, Command, Stance
+
+MACHINE = load_machine("titan3")
+CELL, LOW, SIZE = 0.05, -6.0, 400
+HIGH = LOW + SIZE * CELL
+STRIDE = 0.15  # m a step, about what the standard walk does
+FEET = ((0.4, 0.4, 0.0), (-0.4, 0.4, 0.0), (-0.4, -0.4, 0.0), (0.4, -0.4, 0.0))
+
+
+def at(v):
+    return round((v - LOW) / CELL)
+
+
+def level():
+    return np.zeros((SIZE, SIZE))
+
+
+def with_hole(x1, x2, y1, y2, heights=None):
+    heights = level() if heights is None else heights
+    heights[at(y1) : at(y2), at(x1) : at(x2)] = np.nan
+    return heights
+
+
+def map_of(heights, forbidden=None, known=None):
+    return TerrainMap(heights, np.isnan(heights) if forbidden is None else forbidden, CELL, (LOW, LOW), known=known)
+
+
+def stance_at(x=0.0, y=0.0, yaw=0.0):
+    return Stance((x, y, 0.85, yaw), FEET)
+
+
+AHEAD = Command(0.0, 0.08)
+
+
+def walked(terrain, command=AHEAD, yaw=0.0, length=7.0, x=0.0, y=0.0):
+    """The body walked by B1 alone, one stride a call: places, courses against the line, and how it ended."""
+    state, places, courses, why = RouteState(), [(x, y)], [], None
+    while math.hypot(x, y) < length and len(places) < 200:
+        steered, state, why = plan_route(state, command, stance_at(x, y, yaw), terrain, MACHINE)
+        if why is not None:
+            break
+        x += STRIDE * math.cos(yaw + steered.crab_angle)
+        y += STRIDE * math.sin(yaw + steered.crab_angle)
+        places.append((x, y))
+        courses.append(state.offset)
+    return places, courses, why
+
+
+def turned(places, heading):
+    c, s = math.cos(heading), math.sin(heading)
+    return [(c * x + s * y, c * y - s * x) for x, y in places]
+
+
+def changes(courses):
+    return sum(abs(b - a) > math.radians(3.0) for a, b in zip(courses, courses[1:], strict=False))
+
+
+# where nothing is in the way
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.3, math.pi / 2, -2.5])
+def test_on_open_ground_the_command_is_the_very_same(angle):
+    command, state = Command(angle, 0.08), RouteState()
+    terrain = map_of(level())
+    for step in range(5):
+        along = step * STRIDE
+        steered, state, why = plan_route(state, command, stance_at(along * math.cos(angle), along * math.sin(angle)), terrain, MACHINE)
+        assert steered is command and why is None and not state.detours
+
+
+@pytest.mark.parametrize("fraction", [0.1, 0.3, 0.5, 0.8])
+@pytest.mark.parametrize("seed", range(2))
+def test_scattered_holes_are_no_reason_to_leave_the_line(fraction, seed):
+    heights = np.where(np.random.default_rng(seed).random((SIZE, SIZE)) < fraction, np.nan, 0.0)
+    places, courses, why = walked(map_of(heights), length=4.0)
+    assert why is None and set(courses) == {0.0}
+
+
+def test_a_river_as_wide_as_the_stroke_is_crossed_and_a_wider_one_is_not():
+    stroke = MACHINE.reach.x_span
+    _, courses, why = walked(map_of(with_hole(2.0, 2.0 + stroke, LOW, HIGH)))
+    assert why is None and set(courses) == {0.0}
+    places, courses, why = walked(map_of(with_hole(2.0, 2.1 + stroke, LOW, HIGH)))
+    assert why is not None and "no way round" in why.reason and "would find no foothold" in why.reason
+    assert places[-1][0] < 2.0
+
+
+def test_what_fits_between_the_legs_is_stepped_over():
+    _, courses, why = walked(map_of(with_hole(1.5, 4.0, -0.25, 0.25)))
+    assert why is None and set(courses) == {0.0}
+
+
+def test_a_low_block_is_walked_over_and_no_leg_needs_telling():
+    heights = level()
+    heights[at(-1) : at(1), at(2) : at(3)] = 0.2
+    _, courses, why = walked(map_of(heights))
+    assert why is None and set(courses) == {0.0}
+
+
+def test_a_turning_command_and_a_hold_are_passed_on():
+    terrain = map_of(with_hole(1.0, 3.0, -1.0, 1.0))
+    for command in (Command(0.0, 0.08, 0.1), Command()):
+        steered, state, why = plan_route(RouteState(), command, stance_at(), terrain, MACHINE)
+        assert steered is command and state == RouteState() and why is None
+
+
+# round what cannot be crossed
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.7])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("angle", [0.0, 0.28])
+def test_a_large_hole_is_gone_round_in_a_trapezoid_and_the_line_found_again(angle, yaw, side):
+    heading = yaw + angle
+    y, x = np.indices((SIZE, SIZE)) * CELL + LOW + CELL / 2
+    along, across = math.cos(heading) * x + math.sin(heading) * y, side * (math.cos(heading) * y - math.sin(heading) * x)
+    hole = (along > 2.5) & (along < 3.5) & (across > -0.7) & (across < 1.0)
+    places, courses, why = walked(map_of(np.where(hole, np.nan, 0.0)), Command(angle, 0.08), yaw, length=8.0)
+    assert why is None
+    offsets = [d for _, d in turned(places, heading)]
+    assert abs(offsets[-1]) < 0.1
+    assert max(-side * d for d in offsets) > 0.9 and max(side * d for d in offsets) < 0.1  # round the nearer end
+    assert changes(courses) <= 5  # out, along, back, on, and one to spare
+
+
+def test_every_leg_finds_a_foothold_all_the_way_round():
+    heights = with_hole(2.5, 3.5, -0.8, 0.9)
+    terrain = map_of(heights)
+    places, _, _ = walked(terrain)
+    for (x1, y1), (x2, y2) in zip(places, places[1:], strict=False):
+        for part in np.linspace(0.0, 1.0, 8):
+            x, y = x1 + part * (x2 - x1), y1 + part * (y2 - y1)
+            for box in MACHINE.boxes:
+                patch = terrain.forbidden[at(y + box[2]) : at(y + box[3]) + 1, at(x + box[0]) : at(x + box[1]) + 1]
+                assert not patch.all()
+
+
+def test_a_wall_too_tall_to_step_over_is_gone_round():
+    heights = level()
+    heights[at(-1.2) : at(1.2), at(2.0) : at(2.1)] = 1.5
+    places, _, why = walked(map_of(heights, heights > 1.0), length=9.0)
+    assert why is None and abs(places[-1][1]) < 0.1
+    assert max(abs(y) for _, y in places) > 1.4
+
+
+def test_a_pole_that_the_torso_would_hit_is_gone_round():
+    heights = level()
+    heights[at(-0.05) : at(0.05), at(3.0) : at(3.1)] = 1.5
+    places, _, why = walked(map_of(heights, heights > 1.0))
+    assert why is None and abs(places[-1][1]) < 0.1
+    assert all(abs(y) > 0.29 for x, y in places if abs(x - 3.05) < 0.5)
+
+
+def test_seen_late_a_hole_is_gone_round_sideways():
+    places, courses, why = walked(map_of(with_hole(0.8, 2.0, -1.0, 1.2)), length=6.0)
+    assert why is None and abs(places[-1][1]) < 0.1
+    assert courses[0] == pytest.approx(-math.pi / 2)
+
+
+def test_a_way_that_comes_up_on_the_way_round_is_taken_account_of():
+    """The eye sees a second hole only when the first one's corner is being made for."""
+    first, both = map_of(with_hole(2.5, 3.5, -0.8, 0.9)), map_of(with_hole(1.2, 3.0, -2.5, -0.5, with_hole(2.5, 3.5, -0.8, 0.9)))
+    command = Command(0.0, 0.08)
+    steered, state, _ = plan_route(RouteState(), command, stance_at(), first, MACHINE)
+    assert steered.crab_angle < -0.3
+    steered, state, why = plan_route(state, command, stance_at(0.1, -0.05), both, MACHINE)
+    assert why is None and steered.crab_angle > 0.3
+
+
+# no way, unknown ground, refusals
+
+
+def test_where_nothing_works_it_says_what_fails():
+    heights = level()
+    heights[:, at(1.0) :] = 0.9
+    _, _, why = walked(map_of(heights))
+    assert isinstance(why, Blocked) and "no way round within 2 m to either side" in why.reason
+    assert "too steep" in why.reason or "lifted over" in why.reason
+
+
+def test_the_edge_of_the_map_is_no_ground():
+    _, _, why = plan_route(RouteState(), Command(0.0, 0.08), stance_at(HIGH - 0.4, 0.0), map_of(level()), MACHINE)
+    assert why is not None and "no foothold" in why.reason
+
+
+def test_unknown_ground_ahead_slows_and_does_not_stop():
+    known = np.zeros((SIZE, SIZE), dtype=bool)
+    known[:, : at(1.6)] = True
+    terrain = map_of(level(), forbidden=~known, known=known)
+    far, _, _ = plan_route(RouteState(), Command(0.0, 0.08), stance_at(-1.0), terrain, MACHINE)
+    near, state, why = plan_route(RouteState(), Command(0.0, 0.08), stance_at(0.6), terrain, MACHINE)
+    at_it, _, _ = plan_route(RouteState(), Command(0.0, 0.08), stance_at(1.5), terrain, MACHINE)
+    heedless, _, _ = plan_route(RouteState(), Command(0.0, 0.08), stance_at(0.6), terrain, MACHINE, cautious=False)
+    assert why is None and near.crab_angle == 0.0
+    assert far.speed == heedless.speed == 0.08 and at_it.speed == 0.25 * 0.08 < near.speed < 0.08
+    assert state.speed_limit == near.speed
+
+
+def test_a_refused_course_is_not_offered_again():
+    terrain, command = map_of(with_hole(2.5, 3.5, -0.8, 0.9)), Command(0.0, 0.08)
+    offered = []
+    for _ in range(3):
+        steered, state, why = plan_route(RouteState(), command, stance_at(), terrain, MACHINE, refused=tuple(offered))
+        assert why is None
+        assert all(abs(state.offset - other) >= math.radians(8.0) for other in offered)
+        offered.append(state.offset)
+
+
+# the line
+
+
+def test_the_line_goes_through_where_the_course_was_last_commanded():
+    terrain, state = map_of(level()), RouteState()
+    _, state, _ = plan_route(state, Command(0.0, 0.08), stance_at(1.0, 0.5), terrain, MACHINE)
+    _, state, _ = plan_route(state, Command(0.0, 0.05), stance_at(1.3, 0.5), terrain, MACHINE)
+    assert state.line[:2] == (1.0, 0.5)  # a change of speed is no new course
+    _, state, _ = plan_route(state, Command(0.4, 0.05), stance_at(1.6, 0.5), terrain, MACHINE)
+    assert state.line == (1.6, 0.5, 0.4)
+
+
+@pytest.mark.parametrize("off", [0.05, 0.4, -1.3])
+def test_pushed_off_the_line_it_comes_back_and_then_leaves_the_command_alone(off):
+    terrain, command = map_of(level()), Command(0.0, 0.08)
+    _, state, _ = plan_route(RouteState(), command, stance_at(), terrain, MACHINE)
+    x, y = 0.2, off
+    for _ in range(60):
+        steered, state, _ = plan_route(state, command, stance_at(x, y), terrain, MACHINE)
+        assert abs(state.offset) < math.radians(23.0)
+        x, y = x + STRIDE * math.cos(steered.crab_angle), y + STRIDE * math.sin(steered.crab_angle)
+    assert abs(y) <= ON_LINE and steered is command
+
+
+def test_a_torso_that_has_turned_keeps_the_line():
+    terrain, command = map_of(level()), Command(0.2, 0.08)
+    _, state, _ = plan_route(RouteState(), command, stance_at(), terrain, MACHINE)
+    steered, _, _ = plan_route(state, command, stance_at(yaw=0.05), terrain, MACHINE)
+    assert steered.crab_angle == pytest.approx(0.15)
+
+
+def test_asked_twice_it_answers_the_same():
+    terrain, command = map_of(with_hole(2.5, 3.5, -0.8, 0.9)), Command(0.0, 0.08)
+    first = plan_route(RouteState(), command, stance_at(), terrain, MACHINE)
+    assert plan_route(RouteState(), command, stance_at(), terrain, MACHINE) == first
+    again = plan_route(first[1], command, stance_at(), terrain, MACHINE)
+    assert again[0] == first[0] and replace(again[1], way=()) == replace(first[1], way=())
+
+
+# places
+
+
+def test_a_body_standing_where_it_should_not_may_leave():
+    heights = with_hole(0.1, 0.8, 0.2, 0.75)
+    places, _, why = walked(map_of(heights), length=2.0)
+    assert why is None and math.hypot(*places[-1]) >= 2.0
+
+
+def test_a_place_is_fit_exactly_when_every_leg_has_ground():
+    rng = np.random.default_rng(2)
+    heights = np.where(rng.random((SIZE, SIZE)) < 0.97, np.nan, 0.0)
+    terrain, stance = map_of(heights), stance_at()
+    survey = Survey(Region.of(0.0, 0.0, 0.0, MACHINE), stance, terrain, MACHINE)
+    for s in np.arange(0.0, 2.5, 0.25):
+        for d in np.arange(-1.5, 1.6, 0.3):
+            rows, columns = survey.at(np.array([s]), np.array([d]))
+            x, y = survey.x[columns[0]], survey.y[rows[0]]
+            boxes = [(x + b[0], x + b[1], y + b[2], y + b[3]) for b in MACHINE.boxes]
+            inside = [terrain.forbidden[at(b[2] + 0.06) : at(b[3] - 0.06), at(b[0] + 0.06) : at(b[1] - 0.06)] for b in boxes]
+            around = [terrain.forbidden[at(b[2] - 0.06) : at(b[3] + 0.11), at(b[0] - 0.06) : at(b[1] + 0.11)] for b in boxes]
+            verdict = survey.verdict[rows[0], columns[0]]
+            if all(not patch.all() for patch in inside):
+                assert verdict == FIT
+            if any(patch.all() for patch in around):
+                assert verdict != FIT
