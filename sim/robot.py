@@ -31,6 +31,7 @@ TICK = 0.02  # s
 TOUCH = 1e-6  # m; a moving foot this near the ground has come down: nearer than that a servo could not take it in time
 SOLE_GAP = 0.001  # m; a sole this near the ground is on: what it gives under load
 ROCK = 0.01  # m; a body about to tip onto a foot that hangs no higher than this rests on it at once, without a fall
+SCRAPE = 0.001  # m a tick; a foot that has come down and moves faster over the ground than this does not carry
 STEP_UP = 0.01  # m; a foot moving sideways rides up this much, a taller riser stops it
 SAME = 1e-10  # m a tick; foot motions this near each other are one motion of the body
 STIFF = 1e-9  # m; carrying feet pulled apart by less are not pulled
@@ -159,6 +160,10 @@ class Plant:
         if self.state == "fallen":
             return
         steps = self._servos(velocities)
+        for leg in self._free:
+            if self.soles[leg]:
+                self._take_up(steps)
+                break
         if self._quiet and self._glide(steps):
             return
         if self._fall is None:
@@ -245,8 +250,8 @@ class Plant:
         return True
 
     def _swing(self, steps: Sequence[Step], legs: Sequence[int]) -> None:
-        """Feet that carry nothing: they go where they are driven until they touch, and join the support once they stand still."""
-        (bx, by, bz, _, _, _), r, joined = self.body, self._turned, False
+        """Feet that carry nothing: they go where they are driven until they touch the ground, and stop there."""
+        (bx, by, bz, _, _, _), r = self.body, self._turned
         crowded = self.world.crowds(bx, by)
         for leg in legs:
             foot, position, (dx, dy, dz) = self.feet[leg], self._legs[leg], steps[leg]
@@ -266,10 +271,27 @@ class Plant:
                 self.soles[leg] = self.slipping[leg] = False
                 position[0], position[1], position[2] = px, py, pz
                 foot[0], foot[1], foot[2] = x, y, z
-            elif self._touch(leg, x, y, z, height):
-                joined = True
-        if joined:
-            self._stand()
+            else:
+                self._touch(leg, x, y, z, height)
+
+    def _take_up(self, steps: Sequence[Step]) -> None:
+        """Feet that came down in the tick before carry from now on, but those that scrape over the ground."""
+        if self._fall is not None or len(self._carry) < 2:
+            return
+        legs = self._legs
+        before = [legs[leg] for leg in self._carry]
+        driven = [(legs[leg][0] + steps[leg][0], legs[leg][1] + steps[leg][1]) for leg in self._carry]
+        dx, dy, turn = plane_fit(before, driven, 0.0)  # the body's motion, in its own axes
+        c, d = math.cos(turn), math.sin(turn)
+        for leg in tuple(self._free):
+            if self.soles[leg]:
+                (px, py, _), (sx, sy, _) = legs[leg], steps[leg]
+                ax, ay = dx + c * (px + sx) - d * (py + sy), dy + d * (px + sx) + c * (py + sy)
+                if math.hypot(ax - px, ay - py) <= SCRAPE:
+                    foot = self.feet[leg]
+                    foot[2] = self.ground.height_at(foot[0], foot[1])
+                    self._carry = sorted((*self._carry, leg))
+        self._stand()
 
     def _feel(self, leg: int, x: float, y: float, z: float) -> tuple[float, float]:
         """Where a foot gets to that is driven to (x, y, z) near an obstacle; its whiskers say what is around it."""
@@ -281,26 +303,15 @@ class Plant:
         self.whiskers[leg] = self.world.feel(x, y, z, self.body[5])
         return x, y
 
-    def _touch(self, leg: int, x: float, y: float, z: float, height: float) -> bool:
-        """A foot in the air meets ground: it stops there, or beside a riser. True when it stands still, and so carries from now on."""
-        foot, was_on = self.feet[leg], self.soles[leg]
+    def _touch(self, leg: int, x: float, y: float, z: float, height: float) -> None:
+        """A foot in the air meets ground: it stops there, or beside a riser. From the next tick on it carries."""
+        foot, body, was_on = self.feet[leg], self.body, self.soles[leg]
         if height - foot[2] > STEP_UP:
             (x, y), height = self._stop_at_riser(leg, x, y)
-        self.soles[leg] = z - height <= TOUCH
-        stays = abs(x - foot[0]) < STIFF and abs(y - foot[1]) < STIFF
-        self.slipping[leg] = was_on and self.soles[leg] and not stays
-        joined = was_on and self.soles[leg] and stays and abs(z - foot[2]) < STIFF
-        if joined or z <= foot[2] or z < height:
-            z = max(z, height) if not self.soles[leg] else height
-        if not stays:
-            foot[0], foot[1] = x, y
-        foot[2] = z
-        body = self.body
-        self._legs[leg][:] = unturned(self._turned, foot[0] - body[0], foot[1] - body[1], foot[2] - body[2])
-        if joined:
-            self._carry.append(leg)
-            self._carry.sort()
-        return joined
+        self.soles[leg] = on = z - height <= TOUCH
+        self.slipping[leg] = was_on and on and (abs(x - foot[0]) > STIFF or abs(y - foot[1]) > STIFF)
+        foot[0], foot[1], foot[2] = x, y, height if on else z
+        self._legs[leg][:] = unturned(self._turned, x - body[0], y - body[1], foot[2] - body[2])
 
     def _stop_at_riser(self, leg: int, x: float, y: float) -> tuple[tuple[float, float], float]:
         """How far a foot on its way to (x, y) gets before ground too tall to ride up, and the ground there."""

@@ -161,10 +161,26 @@ class TestGround:
         assert plant.feet[0][2] == plant.ground.height_at(*plant.feet[0][:2])
         assert plant.soles[0]
 
-    def test_pressing_on_does_not_lift_the_body_before_the_foot_is_part_of_the_support(self):
-        plant = run(standing(up={0: 0.01}, x=-0.1, y=-0.1), one_leg(0, (0.0, 0.0, -0.5)), 10)
-        assert plant.body[2] == TITAN.height
+    def test_coming_down_moves_nothing_but_pressing_on_lifts_the_body(self):
+        plant = run(standing(up={0: 0.015}, x=-0.1, y=-0.1), one_leg(0, (0.0, 0.0, -0.5)), 2)
+        assert plant.feet[0][2] == 0.0
+        assert plant.body == pytest.approx([-0.1, -0.1, TITAN.height, 0, 0, 0])
+        run(plant, one_leg(0, (0.0, 0.0, -0.5)), 2)
+        assert plant.body[2] > TITAN.height + 0.005
+
+    def test_a_foot_that_has_come_down_carries_when_another_is_lifted_in_the_next_tick(self):
+        plant = run(standing(up={0: 0.01}, x=-0.15, y=0.0), one_leg(0, (0.0, 0.0, -0.5)), 1)
+        run(plant, one_leg(3, (0.0, 0.0, 0.5)), 5)
+        assert plant.carrying == (0, 1, 2)
+        assert plant.body == pytest.approx([-0.15, 0.0, TITAN.height, 0, 0, 0])
+
+    def test_a_foot_scraping_over_the_ground_carries_nothing_and_drags_nobody(self):
+        plant = standing(up={0: 0.005}, x=-0.1, y=-0.1)
+        run(plant, one_leg(0, (0.5, 0.0, -0.3)), 10)
+        assert plant.soles[0]
+        assert plant.slipping[0]
         assert plant.carrying == (1, 2, 3)
+        assert plant.body == pytest.approx([-0.1, -0.1, TITAN.height, 0, 0, 0])
 
     def test_a_riser_stops_a_foot_on_its_way_and_its_whiskers_say_where(self):
         plant = standing(ground=shaped(lambda x, y: 0.2 if x > 0.55 else 0.0), up={0: 0.1}, x=-0.1, y=-0.1)
