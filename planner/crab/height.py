@@ -49,10 +49,10 @@ def torso_needs(terrain: TerrainMap, machine: Machine, x: float, y: float, yaw: 
 
 
 def torso_needs_exactly(terrain: TerrainMap, machine: Machine, x: float, y: float, yaw: float) -> float:
-    """As ``torso_needs`` with the turned rectangle itself, sampled at the map's spacing; about ten times slower."""
+    """As ``torso_needs`` with the turned rectangle itself, sampled at half the map's spacing; about ten times slower."""
     half_length, half_width = machine.torso[0] / 2, machine.torso[1] / 2
-    along = np.linspace(-half_length, half_length, max(2, math.ceil(2 * half_length / terrain.cell) + 1))
-    across = np.linspace(-half_width, half_width, max(2, math.ceil(2 * half_width / terrain.cell) + 1))
+    along = np.linspace(-half_length, half_length, math.ceil(4 * half_length / terrain.cell) + 1)
+    across = np.linspace(-half_width, half_width, math.ceil(4 * half_width / terrain.cell) + 1)
     px, py = (grid.ravel() for grid in np.meshgrid(along, across))
     c, s = math.cos(yaw), math.sin(yaw)
     columns = np.floor((x + c * px - s * py - terrain.origin[0]) / terrain.cell).astype(np.int64)

@@ -132,7 +132,12 @@ def landings(
             return
         start = nearest
     if trial is not None:
-        trial["domain"] = {"stroke": [low, high], "phase": phase, "crossing_max": domain.limit, "crossing_min": domain.least}
+        trial["domain"] = {
+            "stroke": [low, high] if low <= high else None,  # null: the stroke line misses D_u
+            "phase": phase,
+            "crossing_max": domain.limit if domain.hind else None,
+            "crossing_min": domain.least if domain.least > -math.inf else None,
+        }
         trial["search_start"] = list(posture.absolute(*start))
     ax, ay = posture.absolute(*start)
     if domain.refuses(*start) is None:
@@ -201,13 +206,13 @@ def nearest_in(domain: Domain, x: float, y: float) -> XY | None:
 
 
 def _clipped(corners: list[XY], a: float, b: float, c: float) -> list[XY]:
-    """The part of a convex polygon where a·x + b·y + c >= 0."""
+    """The part of a convex polygon where a·x + b·y + c >= 0; rounding must not lose a D_u that is a mere line (I meets II)."""
     kept: list[XY] = []
     for (px, py), (qx, qy) in zip(corners, corners[1:] + corners[:1], strict=True):
         p, q = a * px + b * py + c, a * qx + b * qy + c
-        if p >= 0.0:
+        if p >= -NEAR / 4:
             kept.append((px, py))
-        if (p > 0.0 > q) or (p < 0.0 < q):
+        if (p > NEAR / 4 and q < -NEAR / 4) or (p < -NEAR / 4 and q > NEAR / 4):
             w = p / (p - q)
             kept.append((px + w * (qx - px), py + w * (qy - py)))
     return kept

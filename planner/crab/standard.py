@@ -175,11 +175,8 @@ def _standard(machine: Machine, duty_factor: float, crab_angle: float, previous:
 
 def _canonical_boxes(machine: Machine, n: int) -> tuple[tuple[Box, ...], tuple[Box, ...]]:
     """Control and mechanical reach in the turned frame; odd n swaps (x0, x*) with (y0, y*) (H table 1)."""
-    reach, (over_x, over_y, _) = machine.reach, machine.overreach
-    spans = [
-        (reach.x0, reach.x0 + reach.x_span, over_x, max(0.0, LEAN - over_x)),
-        (reach.y0, reach.y0 + reach.y_span, over_y, max(0.0, LEAN - over_y)),
-    ]
+    (x1, x2, y1, y2), (over_x, over_y, _) = machine.boxes[0], machine.overreach
+    spans = [(x1, x2, over_x, max(0.0, LEAN - over_x)), (y1, y2, over_y, max(0.0, LEAN - over_y))]
     if n % 2:
         spans.reverse()
     (ax, bx, dx, kx), (ay, by, dy, ky) = spans

@@ -1,0 +1,120 @@
+"""Level B3: the height of the body from the leading feet, and what lift and torso must clear."""
+
+import math
+
+import numpy as np
+import pytest
+from crab_walks import TITAN, Blocked, command, gait, holes, relief, walk
+
+from planner.crab.height import body_height, ground_ahead, height_range, torso_needs, torso_needs_exactly
+from planner.terrain import TerrainMap, classify
+
+
+def printed_20(left, right, at):
+    """(20) as printed: interpolation by x."""
+    return ((at - right[0]) * left[2] + (left[0] - at) * right[2]) / (left[0] - right[0])
+
+
+def test_the_height_ahead_is_interpolated_along_the_line_of_the_leading_feet():
+    left, right = (0.6, 0.4, 0.1), (0.4, -0.4, 0.3)
+    height, away = ground_ahead(left, right, 1.0, 0.0)
+    assert (height, away) == (pytest.approx(0.2), pytest.approx(0.5))
+    assert height == pytest.approx(printed_20(left, right, 0.5))
+
+
+def test_errata_20_feet_level_in_x_are_no_division_by_zero():
+    left, right = (0.5, 0.4, 0.0), (0.5, -0.4, 0.2)
+    with pytest.raises(ZeroDivisionError):
+        printed_20(left, right, 0.5)
+    assert ground_ahead(left, right, 1.0, 0.0) == (pytest.approx(0.1), pytest.approx(0.5))
+
+
+def test_a_course_that_misses_the_leading_feet_takes_their_mean():
+    assert ground_ahead((0.6, 0.2, 0.1), (0.5, 0.1, 0.3), 1.0, 0.0)[0] == pytest.approx(0.2)
+    assert ground_ahead((0.5, 0.2, 0.1), (0.6, 0.2, 0.3), 1.0, 0.0)[0] == pytest.approx(0.2)
+
+
+def test_the_body_climbs_in_proportion_to_its_way_and_within_the_reach_of_its_feet():
+    assert body_height(0.85, 0.1, (0.2, 0.5), 0.85, 0.0, 9.0) == pytest.approx(0.85 + 0.2 * 0.1 / 0.5)  # (21)
+    assert body_height(0.85, 0.1, (0.2, 0.5), 0.85, 0.0, 0.86) == 0.86
+    assert body_height(0.85, 0.1, (0.2, -0.1), 0.85, 0.0, 9.0) == pytest.approx(1.05), "beyond A the whole height is due"
+    assert height_range(TITAN, [0.0, 0.2, 0.1, 0.0]) == (pytest.approx(0.8), pytest.approx(1.1))
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("height", [0.15, 0.5])
+def test_the_walk_over_rolling_ground_keeps_every_promise(height, seed):
+    ground = relief(height, seed)
+    degrees = -150 + 80 * seed
+    plans = walk(command(degrees, 0.1), 24, ground, yaw=0.4 * seed)
+    assert not isinstance(plans[-1], Blocked)
+    climbed = np.ptp([plan.body[-1, 2] for plan in plans])
+    assert climbed > 0.01
+
+
+def stairs(rise, tread=0.45, cell=0.025, span=10.0):
+    count = round(span / cell)
+    x = (np.arange(count) + 0.5) * cell - span / 2
+    heights = np.tile(np.clip(np.floor((x - 1.0) / tread) + 1, 0, 5) * rise, (count, 1))
+    return TerrainMap(heights, classify(heights, cell, TITAN), cell, (-span / 2, -span / 2))
+
+
+def test_it_climbs_stairs():
+    plans = walk(command(0, 0.1), 24, stairs(0.12))
+    assert not isinstance(plans[-1], Blocked)
+    assert plans[-1].body[-1, 2] > TITAN.height + 0.4
+
+
+def test_a_wall_stops_the_torso_and_is_named():
+    ground = holes(span=10.0)
+    heights = np.where(np.arange(200)[None, :] * 0.05 - 5.0 > 1.5, 3.0, 0.0) * np.ones((200, 1))
+    wall = TerrainMap(heights, classify(heights, 0.05, TITAN), 0.05, ground.origin)
+    last = walk(command(0, 0.1), 40, wall)[-1]
+    assert isinstance(last, Blocked)
+    assert "torso" in last.reason or "no leg" in last.reason
+
+
+def test_a_pole_between_the_feet_stops_the_torso_and_is_named():
+    heights = np.zeros((200, 200))
+    heights[99:101, 140:142] = 1.4
+    pole = TerrainMap(heights, classify(heights, 0.05, TITAN), 0.05, (-5.0, -5.0))
+    last = walk(command(0, 0.1), 40, pole)[-1]
+    assert isinstance(last, Blocked) and "torso would touch the ground" in last.reason
+
+
+def test_a_low_block_between_the_feet_raises_the_body():
+    heights = np.zeros((200, 200))
+    heights[97:103, 130:134] = 0.85
+    block = TerrainMap(heights, classify(heights, 0.05, TITAN), 0.05, (-5.0, -5.0))
+    plans = walk(command(0, 0.1), 24, block)
+    assert not isinstance(plans[-1], Blocked)
+    assert max(plan.body[-1, 2] for plan in plans) == pytest.approx(0.85 + TITAN.torso[2] / 2 + 0.02)
+
+
+def test_the_torso_is_held_against_its_turned_rectangle_when_the_square_is_too_coarse():
+    heights = np.zeros((200, 200))
+    heights[112, 100] = 2.0  # 0.6 m beside the body: in the square, beyond the torso's width, but under its turned length
+    ground = TerrainMap(heights, heights > 1.0, 0.05, (-5.0, -5.0))
+    assert torso_needs(ground, TITAN, 0.0, 0.0, 0.0) > 2.0
+    assert torso_needs_exactly(ground, TITAN, 0.0, 0.0, 0.0) < 1.0
+    heights = heights.copy()
+    heights[109, 100] = 2.0
+    ground = TerrainMap(heights, heights > 1.0, 0.05, (-5.0, -5.0))
+    assert torso_needs_exactly(ground, TITAN, 0.0, 0.0, math.pi / 2) > 2.0
+
+
+def test_a_foothold_too_high_for_the_lift_is_refused_and_the_reason_noted():
+    from planner.crab.plan import plan_step
+    from planner.crab.standard import standard_stance
+
+    heights = np.where(np.arange(200)[None, :] * 0.05 - 5.0 > 0.72, 0.45, 0.0) * np.ones((200, 1))
+    ledge = TerrainMap(heights, np.zeros(heights.shape, dtype=bool), 0.05, (-5.0, -5.0))
+    stance = standard_stance(TITAN, gait(), 0.0, 0.0, 0.0, 0.0, ledge.height_at)
+    reasons = set()
+    for _ in range(12):
+        plan = plan_step(stance, command(), ledge, TITAN, gait(), explain=True)
+        reasons |= {cell["reason"] for trial in plan.decision["legs"] for cell in trial["refused"]}
+        if isinstance(plan, Blocked):
+            break
+        stance = plan.end
+    assert reasons & {"the foot cannot be lifted over the ground on the way", "too high or too low for the legs to reach together"}

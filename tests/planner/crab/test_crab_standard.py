@@ -1,0 +1,149 @@
+"""The standard crab walk against the paper's printed facts and the check values of the gait specification."""
+
+import math
+
+import pytest
+from crab_walks import TITAN, Blocked, command, gait, walk
+
+from planner.crab.standard import (
+    HYSTERESIS,
+    LEAN,
+    TIE,
+    critical_angle,
+    folded,
+    posture_of,
+    quarter_turns,
+    standard_for,
+    standard_margin,
+    standard_stance,
+    stroke_length,
+    touchdown_phases,
+)
+from planner.crab.xy import return_length
+
+FLAT = lambda x, y: 0.0  # noqa: E731
+
+
+@pytest.mark.parametrize(
+    ("degrees", "stride", "margin", "g0", "hind", "front", "order"),
+    [
+        (0, 0.5000, 0.0312, 0.0625, 0.1875, 0.1250, (3, 4, 2, 1)),
+        (16, 0.5201, 0.0325, 0.0650, 0.1951, 0.1300, (3, 4, 2, 1)),
+        (30, 0.5774, 0.0361, 0.0722, 0.2165, 0.1443, (3, 4, 2, 1)),
+        (74, 0.3641, 0.0228, 0.0455, 0.1365, 0.0910, (4, 1, 3, 2)),
+        (180, 0.5000, 0.0312, 0.0625, 0.1875, 0.1250, (1, 2, 4, 3)),
+    ],
+)
+def test_the_check_values_of_the_specification(degrees, stride, margin, g0, hind, front, order):
+    standard = standard_for(TITAN, gait(), math.radians(degrees))
+    assert standard.stride == pytest.approx(stride, abs=6e-5)
+    assert standard.margin == pytest.approx(margin, abs=6e-5)
+    plans = walk(command(degrees), 8)
+    assert tuple(plan.swing[0] + 1 for plan in plans) == order * 2
+    for hind_step, front_step in zip(plans[::2], plans[1::2], strict=True):
+        assert hind_step.support_shift == pytest.approx(g0, abs=6e-5)
+        assert hind_step.shift == pytest.approx(hind, abs=6e-5)
+        assert front_step.support_shift == 0.0
+        assert front_step.shift == pytest.approx(front, abs=6e-5)
+
+
+@pytest.mark.parametrize(("degrees", "sequence"), [(16, "1342"), (74, "1324")])
+def test_legs_swing_in_the_order_of_figure_6(degrees, sequence):
+    legs = "".join(str(plan.swing[0] + 1) for plan in walk(command(degrees), 8))
+    assert sequence in legs
+
+
+def test_the_stroke_is_the_shorter_way_through_the_reach():
+    assert stroke_length(0.5, 0.35, 0.0) == 0.5
+    assert stroke_length(0.5, 0.35, math.pi / 2) == pytest.approx(0.35)
+    assert stroke_length(0.5, 0.35, math.atan2(0.35, 0.5)) == pytest.approx(math.hypot(0.5, 0.35))
+    assert stroke_length(0.5, 0.35, -0.3) == stroke_length(0.5, 0.35, 0.3)
+
+
+def test_the_critical_angle_points_at_the_middle_of_the_reach():
+    x, y = TITAN.legs[0].centre
+    assert critical_angle(TITAN) == pytest.approx(math.atan2(y, x))
+
+
+def test_the_standard_margin_is_zero_at_three_quarters():
+    assert standard_margin(0.5, 0.75) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("degrees", "n", "rest"),
+    [(0, 0, 0), (46, 0, 46), (-46, 0, -46), (47, 1, -43), (90, 1, 0), (133, 1, 43), (134, 2, -46), (180, 2, 0), (-180, 2, 0),
+     (226, 2, 46), (227, 3, -43), (270, 3, 0), (-90, 3, 0), (-47, 3, 43)],
+)  # fmt: skip
+def test_table_1_folds_every_crab_angle(degrees, n, rest):
+    assert quarter_turns(TITAN, math.radians(degrees)) == n
+    assert math.degrees(folded(math.radians(degrees), n)) == pytest.approx(rest, abs=1e-9)
+
+
+def test_every_angle_folds_within_the_critical_angle_of_the_turned_machine():
+    critical = critical_angle(TITAN)
+    for tenth in range(-1800, 1801):
+        angle = math.radians(tenth / 10)
+        standard = standard_for(TITAN, gait(), angle)
+        half = critical if standard.quarter_turns % 2 == 0 else math.pi / 2 - critical
+        assert abs(standard.crab_angle) <= half
+        assert abs(standard.course - angle) <= TIE + 1e-9
+
+
+def test_an_odd_turn_swaps_the_reach_and_relabels_the_legs():
+    standard = standard_for(TITAN, gait(), math.pi / 2)
+    assert standard.boxes[0] == (0.30, 0.65, 0.20, 0.70)
+    assert standard.body_leg == (1, 2, 3, 0)
+
+
+def test_a_stick_trembling_on_the_boundary_does_not_turn_the_gait_over():
+    critical = critical_angle(TITAN)
+    n = quarter_turns(TITAN, critical - 0.01)
+    for tremble in (0.0, 0.5, -0.5, 0.99, -0.99):
+        n = quarter_turns(TITAN, critical + tremble * HYSTERESIS, n)
+        assert n == 0
+    n = quarter_turns(TITAN, critical + 1.01 * HYSTERESIS, n)
+    assert n == 1
+    assert quarter_turns(TITAN, critical - 0.99 * HYSTERESIS, n) == 1
+    assert quarter_turns(TITAN, critical - 1.01 * HYSTERESIS, n) == 0
+
+
+@pytest.mark.parametrize("duty_factor", [0.75, 0.8, 0.9])
+def test_exactly_at_the_critical_angle_the_machine_walks_on(duty_factor):
+    critical = critical_angle(TITAN)
+    plans = walk(command(math.degrees(critical)), 16, settings=gait(duty_factor))
+    assert not isinstance(plans[-1], Blocked)
+    assert min(plan.margin_min - plan.standard_margin for plan in plans) > -1e-6
+
+
+def test_legs_land_in_the_phases_of_figure_5():
+    assert touchdown_phases(0.8) == (0.0, 0.8, pytest.approx(0.3), 0.5)
+
+
+def test_at_a_switching_point_the_last_foot_is_at_the_front_of_its_stroke():
+    for degrees in range(-180, 181, 15):
+        settings, angle = gait(), math.radians(degrees)
+        stance = standard_stance(TITAN, settings, angle, 1.0, -2.0, 0.3, FLAT)
+        standard = standard_for(TITAN, settings, angle)
+        posture = posture_of(standard, stance)
+        assert return_length(standard, posture, posture.last) == pytest.approx(0.0, abs=1e-12)
+        for i, (x, y) in enumerate(posture.feet):
+            box = standard.boxes[i]
+            assert box[0] - 1e-9 <= x <= box[1] + 1e-9 and box[2] - 1e-9 <= y <= box[3] + 1e-9
+
+
+def test_the_standard_posture_stands_on_the_ground_with_the_body_above_it():
+    stance = standard_stance(TITAN, gait(), 0.0, 0.0, 0.0, 0.0, lambda x, y: 0.1 * x)
+    for x, _, z in stance.feet:
+        assert z == pytest.approx(0.1 * x)
+    assert stance.body[2] == pytest.approx(sum(foot[2] for foot in stance.feet) / 4 + TITAN.height)
+    over_a_hole = standard_stance(TITAN, gait(), 0.0, 0.0, 0.0, 0.0, lambda x, y: math.nan if x > 0 and y > 0 else 0.2)
+    assert [foot[2] for foot in over_a_hole.feet] == [pytest.approx(0.2)] * 4
+
+
+def test_a_machine_without_overreach_keeps_room_to_lift_while_the_body_moves():
+    from dataclasses import replace
+
+    tight = replace(TITAN, overreach=(0.0, 0.0, 0.15))
+    plans = walk(command(20), 12, machine=tight, settings=gait(machine=tight))
+    assert not isinstance(plans[-1], Blocked)
+    assert plans[-1].speed == pytest.approx(LEAN / math.cos(math.radians(20)) * 0.64 / TITAN.lift_down)  # the foot comes down ahead
