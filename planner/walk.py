@@ -22,6 +22,8 @@ from .vocabulary import Blocked, Command, Gait, Mode, Phase, Point, Sensing, Sta
 
 DT = 0.02  # s, the tick of Level C (H §10.2)
 SAME_PLACE = 1e-6  # m; a stance this close to the plan's end is taken to be it
+HELD_BACK = 0.01  # m the body may be from where the plan has it; smaller and servo noise stops the walk
+HELD_MAX = 3  # steps cut short for it, one after the other, before it says so and waits for another command
 WHISKER_TIP = 0.05  # m beyond the rim of the foot: how far whiskers feel
 LANDED_AS_PLANNED = 0.02  # m; a foot set down farther from J_u than this has not finished its step
 
@@ -116,6 +118,9 @@ class Walk:
         elif self.kind == "step":
             if command.holds:
                 self._stop(sensing, terrain)
+            elif self._held_back(sensing):
+                self._held += 1
+                self._stop(sensing, terrain)
             elif not self._surprised(sensing, terrain):
                 self._consider(self.plan.end, command, terrain)
         elif self.kind == "emergent":
@@ -168,6 +173,7 @@ class Walk:
             return self._no_ground(sensing, terrain)
         stance = self._actual(sensing, plan.end)
         self._finish(replace(plan, end=stance))
+        self._held = 0
         self._consider(stance, command, terrain)
         self._think_on()
         answer = self._ready
@@ -198,6 +204,10 @@ class Walk:
     def _start(self, sensing: Sensing, command: Command, terrain: TerrainMap) -> None:
         """From standing: plan the first step now; when it is ready, walk."""
         if self.blocked and self._refused == (command, terrain):
+            return
+        if self._held >= HELD_MAX:
+            self._held, self._refused = 0, (command, terrain)
+            self.blocked = Blocked("something holds the body back: a leg or the torso is against an obstacle")
             return
         asked = self._asked
         still_asked = asked is not None and asked[1] == command and asked[2] is terrain
@@ -236,6 +246,13 @@ class Walk:
         self._asked, self._thinking, self._ready = None, None, None
 
     # stopping and settling
+
+    def _held_back(self, sensing: Sensing) -> bool:
+        """True when the body is not where the running step has it: pushed, slid, or against an obstacle."""
+        x, y, _, _ = self.playback.body_at(self.t)
+        return abs(x - sensing.body[0]) > HELD_BACK or abs(y - sensing.body[1]) > HELD_BACK
+
+    _held = 0  # steps running that were cut short for it
 
     def _stop(self, sensing: Sensing, terrain: TerrainMap) -> None:
         """The body stops in this tick; a foot in the air is set down where it is nearest to ground."""
