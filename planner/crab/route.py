@@ -100,9 +100,13 @@ def plan_route(
     region = Region.of(course, along, off, machine)
     if not refused and is_plain(region, stance, terrain):
         return _steered(command, state, stance, region, _homing(off, region, state))
-    survey = Survey(region, stance, terrain, machine)
-    way = None if refused else _as_before(state, stance, region, survey)
-    if way is None:
+    survey, way = None, None
+    if not refused:
+        toward = 0.0 if state.aim is None else region.seen_from(stance, *state.aim)[1]
+        survey = Survey(Region.of(course, along, off, machine, 0.0, toward), stance, terrain, machine)
+        way = _as_before(state, stance, region, survey)
+    if survey is None or way is None:
+        survey = Survey(region, stance, terrain, machine)
         way = Ways(survey).best(state.offset, refused)
     if way.reach < NO_WAY:
         return command, replace(state, aim=None, offset=0.0, way=()), Blocked(survey.why())
@@ -154,7 +158,7 @@ def _steered(
     state = replace(state, offset=offset, aim=corners[0] if corners else None, way=corners)
     if offset != 0.0 or abs(math.remainder(region.course - command.crab_angle, 2 * math.pi)) > 1e-6:
         command = replace(command, crab_angle=math.remainder(region.course + offset, 2 * math.pi))
-    seen = math.inf if survey is None else survey.known_ahead(way.corners) / region.body_length
+    seen = math.inf if survey is None else survey.known_ahead(way.corners[:1]) / region.body_length
     if seen < 1.0:
         command = replace(command, speed=command.speed * max(SLOWEST, seen))
         state = replace(state, speed_limit=command.speed)

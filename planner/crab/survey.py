@@ -60,7 +60,8 @@ class Region(NamedTuple):
     reach: Box  # all legs' reach
 
     @classmethod
-    def of(cls, course: float, along: float, off: float, machine: Machine) -> Region:
+    def of(cls, course: float, along: float, off: float, machine: Machine, width: float = WIDTH, toward: float = 0.0) -> Region:
+        """About a body at (along, off) on a line of this course, to either side of the body, the line and ``toward``."""
         reach = (
             min(box[0] for box in machine.boxes),
             max(box[1] for box in machine.boxes),
@@ -69,7 +70,7 @@ class Region(NamedTuple):
         )
         length = reach[1] - reach[0]
         lead = math.ceil((along + LEAD_MIN) / LAYER) * LAYER - along
-        low, high = math.floor((min(0.0, off) - WIDTH) / ACROSS), math.ceil((max(0.0, off) + WIDTH) / ACROSS)
+        low, high = math.floor((min(0.0, off, toward) - width) / ACROSS), math.ceil((max(0.0, off, toward) + width) / ACROSS)
         return cls(course, off, lead, math.ceil(BODIES_AHEAD * length / LAYER), low, high - low + 1, length, reach)
 
     @property
