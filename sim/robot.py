@@ -37,6 +37,7 @@ SAME = 1e-10  # m a tick; foot motions this near each other are one motion of th
 STIFF = 1e-9  # m; carrying feet pulled apart by less are not pulled
 EXACT = 1e-12  # a lean or a height that changes by less does not change
 LEG_STIFFNESS = 32_000.0  # N/m sideways: an estimate; titan3's feet give 5 mm before they slip. Softer: see feet slip later
+ROUNDING = 1e-9  # m²; a body on the very edge of its polygon is not outside it
 STEEP = 0.9  # of the friction: ground that pulls less holds without a look at the contact world
 ON_GROUND = 0.005  # m; a foot of the start stance this near the ground stands on it
 
@@ -533,7 +534,7 @@ class Plant:
             self.whiskers[leg] = 0
         polygon = support_polygon(self.feet[leg] for leg in self._carry)
         self._edges = [
-            (ay - by, bx - ax, (bx - ax) * ay - (by - ay) * ax)
+            (ay - by, bx - ax, (bx - ax) * ay - (by - ay) * ax - ROUNDING)
             for (ax, ay), (bx, by) in zip(polygon, (*polygon[1:], *polygon[:1]), strict=True)
         ]
         self._slope = self._mean_slope()
