@@ -17,7 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner import support
+from planner.crab import naive
 from planner.crab.plan import plan_step
+from planner.crab.posture import stance_on
 from planner.crab.standard import standard_stance
 from planner.machine import Machine, load_machine
 from planner.reflex import Gains
@@ -26,7 +28,7 @@ from planner.vocabulary import Blocked, Command, Gait, Mode, Stance
 from planner.walk import DT, Think, Thinking, Walk
 from sim.ground import Ground, make_ground
 from sim.robot import Noise, Plant
-from sim.scenarios import Scenario
+from sim.scenarios import Scenario, ScenarioError
 from sim.snapshot import Snapshot, TerrainView
 
 HOLD = Command()
@@ -50,16 +52,25 @@ def prepare(scenario: Scenario, machine: Machine | None = None) -> World:
     """Make a scenario's world; raises ``MachineError``, ``GroundError`` or ``ScenarioError`` with one clear line."""
     machine = machine or load_machine(scenario.robot, scenario.base)
     gait = scenario.gait_for(machine)
-    first = first_crab_angle(scenario)
     start = scenario.start_pose
-    posture = standard_stance(machine, gait, first, *start, lambda x, y: 0.0)
+    posture = start_stance(scenario, machine, gait, lambda x, y: 0.0)
     ground = make_ground(
         scenario.terrain, machine, start, scenario.seed, scenario.span(machine), scenario.base, stand=[foot[:2] for foot in posture.feet]
     )
     forbidden = true_forbidden(ground, machine)
     belief = TerrainMap(ground.heights, forbidden, ground.cell, ground.origin, machine.foot_radius)
-    stance = standard_stance(machine, gait, first, *start, ground.height_at)
+    stance = start_stance(scenario, machine, gait, ground.height_at)
     return World(scenario, machine, gait, ground, belief, forbidden, stance)
+
+
+def start_stance(scenario: Scenario, machine: Machine, gait: Gait, height_at: Callable[[float, float], float]) -> Stance:
+    """The posture a scenario begins in: the standard one of its first course, or its own feet. Raises ``ScenarioError``."""
+    if scenario.start.feet is None:
+        return standard_stance(machine, gait, first_crab_angle(scenario), *scenario.start_pose, height_at)
+    try:
+        return stance_on(machine, gait, scenario.start.feet, *scenario.start_pose, height_at)
+    except ValueError as error:
+        raise ScenarioError(f"start.feet: {error}") from None
 
 
 def first_crab_angle(scenario: Scenario) -> float:
@@ -133,7 +144,8 @@ class Console:
         self._drawn_terrain: TerrainView | None = None
 
     def _thinker(self, world: World) -> Think:
-        step = partial(plan_step, machine=world.machine, gait=world.gait, explain=self.explain)
+        rule = naive.plan_step if world.scenario.mode == "naive" else plan_step
+        step = partial(rule, machine=world.machine, gait=world.gait, explain=self.explain)
 
         def at_once(stance: Stance, command: Command, terrain: TerrainMap) -> Thinking:
             return step(stance, command, terrain)

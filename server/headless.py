@@ -17,6 +17,7 @@ from planner.walk import DT
 from sim.scenarios import Scenario, scenario_from
 
 from .console import Console, World, prepare
+from .measured import measured
 from .recording import MODES, SCHEMA, Recorder, input_from
 
 BLOCKED_LIMIT = 10.0  # s
@@ -93,6 +94,7 @@ def summarise(console: Console, recorder: Recorder, scenario: Scenario, result: 
         "forbidden_steps": recorder.forbidden_steps,
         "falls": recorder.falls,
         "emergent": dict(sorted(console.walk.emergent.items())),
+        **measured(console, recorder),
     }
     return {
         "schema": SCHEMA,

@@ -59,6 +59,9 @@ class Start(_Table):
     x: Place = 0.0  # m
     y: Place = 0.0  # m
     yaw_deg: Degrees = 0.0
+    feet: list[Annotated[list[Place], Field(min_length=2, max_length=2)]] | None = Field(
+        default=None, min_length=4, max_length=8
+    )  # m, x and y in body axes in leg order; the standard posture when not given
 
 
 class Drive(_Table):
@@ -192,6 +195,11 @@ class Expect(_Table):
     emergent_max: int | None = Field(default=None, ge=0)
     falls_max: int | None = Field(default=None, ge=0)
     time_max: float | None = None  # s
+    mean_speed_min: float | None = None  # m/s
+    off_line_max: float | None = None  # m, from the commanded line to the CoG at the end
+    standard_steps_min: int | None = Field(default=None, ge=0)  # steps at the end that each came out in the standard layout
+    courses_unsettled_max: int | None = Field(default=None, ge=0)  # commanded courses left, or ended, short of the standard layout
+    roughness_ratio_max: float | None = None  # of the body's path, against the average-height rule on the same footholds
 
 
 class Noise(_Table):
@@ -213,7 +221,7 @@ class Scenario(_Table):
     title: str = Field(default="", max_length=500)
     robot: str = Field(default="titan3", min_length=1, max_length=500)
     planner: Literal["crab", "trace"] = "crab"
-    mode: Literal["paper", "predictive"] = DEFAULT_MODE
+    mode: Literal["naive", "paper", "predictive"] = DEFAULT_MODE  # naive: only to show what H fig. 6(c) shows
     sensing: Literal["known", "eye", "none"] = "known"
     unknown: Literal["flat", "forbidden"] = "flat"
     seed: int = Field(default=1, ge=0, le=SEED_MAX)
