@@ -218,7 +218,7 @@ def _clock(
         over[2] - aim[2],
         (max(behind, LEAN), max(beyond, LEAN)),
         command.speed,
-        _cruise(machine, gait, standard.duty_factor, standard.stride, course),
+        lambda: _cruise(machine, gait, standard.duty_factor, standard.stride, course),
     )
 
 

@@ -7,6 +7,7 @@ ground plane (x, y in body axes, z the climb), ``D`` the foot's displacement on 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 from ..machine import Machine
@@ -75,13 +76,13 @@ def timing(
     drop: float,
     room: tuple[float, float],
     command: float,
-    cruise: float,
+    cruise: Callable[[], float],
 ) -> Timing:
     """Durations and speeds of a step.
 
     ``climb`` is the body's own change of height in the step, ``rise`` and ``drop`` are the foot's vertical strokes, ``room`` how
-    far the body may go on during each before the foot is out of mechanical reach. ``cruise`` is v_max of the standard step: the
-    four-leg phase goes on at it when the swing is slower.
+    far the body may go on during each before the foot is out of mechanical reach. ``cruise`` gives v_max of the standard step:
+    the four-leg phase goes on at it when the swing is slower.
     """
     peak = gait.peak
     limits = machine.speed[0] / peak, machine.speed[1] / peak, machine.speed[2] / peak
@@ -108,7 +109,10 @@ def timing(
         back = max(BACK_MIN, abs(dx) / limits[0], abs(dy) / limits[1], abs(dz) / (limits[2] - sinking))
         if sinking > 0.0:
             back = max(back, abs(climb) / sinking)
-    support_speed = max(v, min(command if command > 0.0 else cruise, cruise, standing))
+    support_speed = v
+    if not 0.0 < command <= v:
+        at_most = min(cruise(), standing)
+        support_speed = max(v, min(command, at_most) if command > 0.0 else at_most)
     return Timing(v, v_max, support_speed, g0 / support_speed, up, back, down)  # H §7 (32)
 
 

@@ -102,14 +102,15 @@ def test_the_eased_profile_has_the_peak_the_limits_are_divided_by():
 
 
 def test_when_the_body_waits_the_return_time_comes_from_the_leg_alone():
-    clock = timing(TITAN, gait(smooth=False), (0.3, 0.1, 0.0), (1.0, 0.0, 0.0), 0.0, 0.0, 0.0, 0.1, 0.2, (0.05, 0.05), 0.08, 0.1)  # (13b)
+    n, room = (1.0, 0.0, 0.0), (0.05, 0.05)
+    clock = timing(TITAN, gait(smooth=False), (0.3, 0.1, 0.0), n, 0.0, 0.0, 0.0, 0.1, 0.2, room, 0.08, lambda: 0.1)  # (13b)
     assert clock.speed == 0.0
     assert clock.back == pytest.approx(0.3 / 1.0)
     assert (clock.up, clock.down) == pytest.approx((0.1 / 0.8, 0.2 / 0.8))
 
 
 def test_the_four_leg_phase_does_not_crawl_when_the_swing_must():
-    clock = timing(TITAN, gait(), (0.5, 0.0, 0.0), (1.0, 0.0, 0.0), 0.0, 0.10, 0.101, 0.1, 0.2, (0.05, 0.05), 0.08, 0.1)
+    clock = timing(TITAN, gait(), (0.5, 0.0, 0.0), (1.0, 0.0, 0.0), 0.0, 0.10, 0.101, 0.1, 0.2, (0.05, 0.05), 0.08, lambda: 0.1)
     assert clock.speed < 0.01
     assert clock.support == pytest.approx(0.10 / 0.08)
 
@@ -133,7 +134,7 @@ def test_constant_profile_has_the_papers_five_knots():
 
 
 def test_the_knots_join():
-    clock = timing(TITAN, gait(), (0.4, 0.1, 0.05), (1.0, 0.0, 0.1), 0.015, 0.05, 0.15, 0.15, 0.2, (0.05, 0.05), 0.06, 0.1)
+    clock = timing(TITAN, gait(), (0.4, 0.1, 0.05), (1.0, 0.0, 0.1), 0.015, 0.05, 0.15, 0.15, 0.2, (0.05, 0.05), 0.06, lambda: 0.1)
     swing = (0.1, 0.4, 0.0), (0.1, 0.4, 0.15), (0.5, 0.5, 0.2), (0.5, 0.5, 0.0)
     rows, phases = knots(clock, True, ((0.0, 0.0, 0.8), (0.15, 0.0, 0.815)), 0.05, 0.15, swing)
     assert len(rows) == len(phases) + 1 == 17
