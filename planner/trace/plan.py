@@ -54,6 +54,7 @@ class Prediction:
     reason: str  # why not
     looked: int  # states looked at
     given: bool  # the trace was given, not the joystick's
+    last: bool = False  # the goal is the end of the trace
 
 
 def plan_step(
@@ -81,12 +82,19 @@ class TraceWalk:
         """Think about the step from ``stance``: a few states a slice, never a whole prediction in one tick."""
         known = self.prediction
         if known is None or not serves(known, stance, command, terrain, self.machine, self.trace):
-            older = known if known is not None and _index(known, stance) is not None else None
-            known = yield from predicting(
-                stance, command, terrain, self.machine, self.gait, trace=self.trace, rigid=self.rigid, older=older
-            )
+            known = yield from self._renewed(stance, command, terrain)
             self.prediction = known
         return next_step(known, stance, command, terrain, self.machine, self.gait, explain=self.explain)
+
+
+    def _renewed(self, stance: Stance, command: Command, terrain: TerrainMap) -> Generator[None, None, Prediction]:
+        """A new prediction; the old one is kept while it leads farther over the same ground."""
+        old = self.prediction
+        new = yield from predicting(stance, command, terrain, self.machine, self.gait, trace=self.trace, rigid=self.rigid)
+        if old is None or new.complete or old.terrain is not terrain or old.command != command or new.reached > old.reached:
+            return new
+        n = _index(old, stance)
+        return new if n is None or n >= len(old.moves) else replace(old, complete=False, reason=new.reason)
 
 
 def run(thinking: Generator[None, None, Prediction]) -> Prediction:
@@ -129,7 +137,7 @@ def serves(
         return False
     if prediction.trace is not trace if trace is not None else prediction.given or _course_of(prediction.command) != _course_of(command):
         return False
-    if prediction.reached - stance.course < RENEW * machine.torso[0] and prediction.reached < prediction.trace.length - 1e-9:
+    if prediction.complete and prediction.goal - stance.course < RENEW * machine.torso[0] and not prediction.last:
         return False
     if prediction.terrain is terrain:
         return True
@@ -195,7 +203,7 @@ def _decision(prediction: Prediction, n: int | None) -> dict[str, Any]:
 
 def predicting(
     stance: Stance, command: Command, terrain: TerrainMap, machine: Machine, gait: Gait, *, trace: Sampled | None = None,
-    rigid: RigidGait | None = None, older: Prediction | None = None, limit: int = LIMIT, limit_wide: int = LIMIT_WIDE,
+    rigid: RigidGait | None = None, limit: int = LIMIT, limit_wide: int = LIMIT_WIDE,
 ) -> Generator[None, None, Prediction]:  # fmt: skip
     """Predict from ``stance``: on the trace by K's order and by search, then with sway; the best of these, and of ``older``."""
     given = trace is not None
@@ -235,20 +243,17 @@ def predicting(
             break
         yield
     reached = offset + path.farthest * step
-    if older is not None and older.trace is drawn and older.terrain is terrain and not path.complete and older.reached >= reached:
-        return older
-    reason = "" if path.complete else _why(path, moves, reached)
-    length = drawn.length if given else offset + drawn.length
-    complete = path.complete
-    if not moves and path.complete:
-        reason = ARRIVED if given and stance.course >= length - 2 * step else "the body is to move on, but no leg can"
-    return Prediction(drawn, command, terrain, stance, moves, reached, offset + goal * step, complete, reason, looked, given)
+    reason = "" if path.complete else _why(path, reached, looked)
+    return Prediction(
+        drawn, command, terrain, stance, moves, reached, offset + goal * step, path.complete, reason, looked, given,
+        last=given and last == drawn.last,
+    )  # fmt: skip
 
 
-def _why(path: Path, moves: tuple[Move, ...], reached: float) -> str:
+def _why(path: Path, reached: float, looked: int) -> str:
     if not path.states:
         return "the machine does not stand within reach and stable here"
-    known = "there is no way" if path.exhausted else f"no way was found among {path.looked} states"
+    known = "there is no way" if path.exhausted else f"no way was found among {looked} states"
     return f"{known} beyond s = {reached:.2f} m: no foothold lets the next leg leave its own"
 
 

@@ -57,8 +57,13 @@ def moves_along(field: Field, path: Path, offset: float, step: float) -> tuple[M
     if not path.states:
         return ()
     nodes = [_Node(state.feet, field.place(field.valid(state.feet), state.at)) for state in path.states]
-    chosen = _merge(field, nodes)
-    return tuple(move for found in _samples(field, chosen, path) for move in _in_space(field, found, offset, step))
+    chosen = _samples(field, _merge(field, nodes), path)
+    at = chosen[-1][4] if chosen else path.states[0].at
+    end = _pick(field, nodes[-1].place, at % field.width, path.farthest)
+    moves = [move for found in chosen for move in _in_space(field, found, offset, step)]
+    if end % field.width > at % field.width:
+        moves.append(_shift(field, nodes[-1], at, end, offset, step))
+    return tuple(moves)
 
 
 def _merge(field: Field, nodes: list[_Node]) -> list[tuple[_Node, int, int, _Node]]:
@@ -158,9 +163,7 @@ def _in_space(field: Field, move: tuple[_Node, _Node, int, int, int], offset: fl
     a, b, start, lift, land = move
     shift = tuple(_pose(field, sample) for sample in _way(field, a.place, start, lift))
     if AIR in a.feet and start != lift:
-        before = _points(field, a.feet)
-        segments = tuple(_segment(field, f, lift, offset, step) for f in a.feet)
-        yield Move((), before, before, shift[:1], shift[:1], shift, shift[-1:], offset + lift % field.width * step, segments)
+        yield _shift(field, a, start, lift, offset, step)
         shift = shift[-1:]
     legs = tuple(leg for leg, (f, g) in enumerate(zip(a.feet, b.feet, strict=True)) if f != g)
     base = tuple(AIR if leg in legs else f for leg, f in enumerate(a.feet))
@@ -186,6 +189,14 @@ def _in_space(field: Field, move: tuple[_Node, _Node, int, int, int], offset: fl
         course=offset + land % field.width * step,
         segments=tuple(_segment(field, f, land, offset, step) for f in b.feet),
     )  # fmt: skip
+
+
+def _shift(field: Field, node: _Node, start: int, end: int, offset: float, step: float) -> Move:
+    """The body alone moves on, every foot staying as it is."""
+    feet = _points(field, node.feet)
+    way = tuple(_pose(field, sample) for sample in _way(field, node.place, start, end))
+    segments = tuple(_segment(field, f, end, offset, step) for f in node.feet)
+    return Move((), feet, feet, way[:1], way[:1], way, way[-1:], offset + end % field.width * step, segments)
 
 
 def _points(field: Field, feet: Feet) -> tuple[Point | None, ...]:
