@@ -234,11 +234,13 @@ def predicting(
         start = State(_standing(field, stance, now - first), now - first)
         if not field.valid(start.feet) >> start.at & 1:
             break
-        thinking = search(field, start, goal, count) if rigid is None else search_rigid(field, start, goal, limit_wide, rigid.groups)
-        found = yield from thinking
+        if rigid is None:
+            found = yield from search(field, start, goal, count)
+        else:
+            found = yield from search_rigid(field, start, goal, limit_wide, _from_next(rigid, stance.last_swing))
         looked += found.looked
         if found.farthest > path.farthest or not moves:
-            path, moves = found, moves_along(field, found, offset, step)
+            path, moves = found, moves_along(field, found, offset, step, *(() if rigid is None else (1,)))
         if found.complete:
             break
         yield
@@ -248,6 +250,13 @@ def predicting(
         drawn, command, terrain, stance, moves, reached, offset + goal * step, path.complete, reason, looked, given,
         last=given and last == drawn.last,
     )  # fmt: skip
+
+
+def _from_next(rigid: RigidGait, last_swing: int) -> tuple[tuple[int, ...], ...]:
+    """A rigid gait's groups beginning with the one after the legs that moved last."""
+    groups = rigid.groups
+    k = next((n + 1 for n, group in enumerate(groups) if last_swing in group), 0)
+    return groups[k:] + groups[:k]
 
 
 def _why(path: Path, reached: float, looked: int) -> str:

@@ -52,12 +52,12 @@ class _Node:
         self.feet, self.place = feet, place
 
 
-def moves_along(field: Field, path: Path, offset: float, step: float) -> tuple[Move, ...]:
-    """The path of states as moves; ``offset`` is s at the field's first sample."""
+def moves_along(field: Field, path: Path, offset: float, step: float, together: int = 2 * TOGETHER) -> tuple[Move, ...]:
+    """The path of states as moves; ``offset`` is s at the field's first sample, ``together`` how many states one move may span."""
     if not path.states:
         return ()
     nodes = [_Node(state.feet, field.place(field.valid(state.feet), state.at)) for state in path.states]
-    chosen = _samples(field, _merge(field, nodes), path)
+    chosen = _samples(field, _merge(field, nodes, together), path)
     at = chosen[-1][4] if chosen else path.states[0].at
     end = _pick(field, nodes[-1].place, at % field.width, path.farthest)
     moves = [move for found in chosen for move in _in_space(field, found, offset, step)]
@@ -66,12 +66,12 @@ def moves_along(field: Field, path: Path, offset: float, step: float) -> tuple[M
     return tuple(moves)
 
 
-def _merge(field: Field, nodes: list[_Node]) -> list[tuple[_Node, int, int, _Node]]:
+def _merge(field: Field, nodes: list[_Node], together: int) -> list[tuple[_Node, int, int, _Node]]:
     """Skip states that can be passed over: from each on to the farthest of the next few reachable in one move."""
     moves, k = [], 0
     while k < len(nodes) - 1:
         best = None
-        for j in range(k + 1, min(k + 2 * TOGETHER + 1, len(nodes))):
+        for j in range(k + 1, min(k + together + 1, len(nodes))):
             windows = _windows(field, nodes[k], nodes[j])
             if windows is not None:
                 best = j, windows
