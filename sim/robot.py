@@ -32,6 +32,7 @@ TOUCH = 1e-6  # m; a moving foot this near the ground has come down: nearer than
 SOLE_GAP = 0.001  # m; a sole this near the ground is on: what it gives under load
 ROCK = 0.01  # m; a body about to tip onto a foot that hangs no higher than this rests on it at once, without a fall
 SCRAPE = 0.001  # m a tick; a foot that has come down and moves faster over the ground than this does not carry
+OVERHANG = 0.03  # m the ground under a sole's rim may lie lower; more is an edge
 STEP_UP = 0.01  # m; a foot moving sideways rides up this much, a taller riser stops it
 SAME = 1e-10  # m a tick; foot motions this near each other are one motion of the body
 STIFF = 1e-9  # m; carrying feet pulled apart by less are not pulled
@@ -78,6 +79,7 @@ class Plant:
         self.feet = [list(foot) for foot in stance.feet]
         self.soles = [False] * len(self.feet)
         self.whiskers = [0] * len(self.feet)
+        self.rims = [0] * len(self.feet)
         self.slipping = [False] * len(self.feet)
         self.state: State = "standing"
         self._stride = tuple(limit * TICK for limit in machine.speed)
@@ -115,6 +117,7 @@ class Plant:
                 tuple(self.soles),
                 tuple(self.whiskers),
                 tuple(self.slipping),
+                tuple(self.rims),
             )
         assert self.rng is not None
         drawn = self.rng.standard_normal(3 * len(legs) + 2).tolist()
@@ -122,7 +125,8 @@ class Plant:
         noisy = zip(legs, drawn[0::3], drawn[1::3], drawn[2::3], strict=False)
         feet = tuple((leg[0] + p * ax, leg[1] + p * ay, leg[2] + p * az) for leg, ax, ay, az in noisy)
         tilt = body[3] + a * drawn[-2], body[4] + a * drawn[-1]
-        return Sensing(self.tick, (x, y, z, *tilt, yaw), feet, tuple(self.soles), tuple(self.whiskers), tuple(self.slipping))
+        touch = tuple(self.soles), tuple(self.whiskers), tuple(self.slipping), tuple(self.rims)
+        return Sensing(self.tick, (x, y, z, *tilt, yaw), feet, *touch)
 
     @property
     def carrying(self) -> tuple[int, ...]:
@@ -313,6 +317,20 @@ class Plant:
         self.slipping[leg] = was_on and on and (abs(x - foot[0]) > STIFF or abs(y - foot[1]) > STIFF)
         foot[0], foot[1], foot[2] = x, y, height if on else z
         self._legs[leg][:] = unturned(self._turned, x - body[0], y - body[1], foot[2] - body[2])
+        self.rims[leg] = self._overhang(x, y, height) if on and not was_on else self.rims[leg] if on else 0
+
+    def _overhang(self, x: float, y: float, height: float) -> int:
+        """Directions of eight, bit 0 along body +x, in which the rim of a sole has no ground under it, as finely as the map tells."""
+        ground = self.ground
+        reach = math.floor(self.machine.foot_radius / ground.cell + 1e-9) * ground.cell
+        if ground.final or reach == 0.0:
+            return 0
+        bits = 0
+        for k in range(8):
+            bearing = self.body[5] + k * math.pi / 4
+            if not height - ground.height_at(x + reach * math.cos(bearing), y + reach * math.sin(bearing)) <= OVERHANG:
+                bits |= 1 << k
+        return bits
 
     def _stop_at_riser(self, leg: int, x: float, y: float) -> tuple[tuple[float, float], float]:
         """How far a foot on its way to (x, y) gets before ground too tall to ride up, and the ground there."""
