@@ -275,18 +275,17 @@ async def _finish(handling: Future[None]) -> int:
 
 FORWARD_KEYS = """
 (() => {
-  // Driving keys belong to the page around this frame, whichever of the two has the focus.
-  const driving = /^(Key[WASDQE]|Arrow(Up|Down|Left|Right)|Space|Escape)$/;
+  // Keys belong to the page around this frame, whichever of the two has the focus; those that move the focus stay here.
+  const staying = /^(Tab|Enter|NumpadEnter|Shift|Control|Alt|Meta|F\\d|$)/;
   const framed = window.parent !== window;
   const fields = "input:not([type=checkbox]), textarea, select, [contenteditable=true]";
   const typing = (target) => target instanceof Element && target.matches(fields);
   const pass = (event) => {
-    if (!framed || !driving.test(event.code) || event.ctrlKey || event.metaKey || event.altKey || typing(event.target)) return;
+    if (!framed || staying.test(event.code) || event.ctrlKey || event.metaKey || event.altKey || typing(event.target)) return;
     event.stopImmediatePropagation();
-    event.preventDefault();
     const { code, key, repeat, shiftKey } = event;
     const twin = new window.parent.KeyboardEvent(event.type, { code, key, repeat, shiftKey, bubbles: true, cancelable: true });
-    window.parent.document.dispatchEvent(twin);
+    if (!window.parent.document.dispatchEvent(twin)) event.preventDefault();
   };
   window.addEventListener("keydown", pass, true);
   window.addEventListener("keyup", pass, true);

@@ -121,7 +121,7 @@ class Operator:
         if seat.moving and now - seat.driven > DEAD_MAN:
             seat.moving, seat.must_centre = False, True
         if age > DEAD_MAN:
-            seat.must_centre = seat.must_centre or not command.holds
+            seat.must_centre, seat.moving = seat.must_centre or seat.moving, False
             return f"stale: the picture of tick {frame.echo_tick} is {min(age, 999.0):.1f} s old"
         seat.centred = command.holds
         if command.holds:

@@ -29,7 +29,7 @@ from web.scene import Scene
 
 from .app import Settings, create_app
 from .canvas import Canvas, CanvasError
-from .clock import Drawing, WalkingClock
+from .clock import Drawing, WalkingClock, go_first
 from .console import Console, prepare
 from .door import LOOPBACK, is_address
 
@@ -185,6 +185,8 @@ def serve(
     clock.start()
     drawing.start()
     threading.Thread(target=_announce, args=(server, url_of(listening, host, token), open_page), daemon=True).start()
+    go_first()
+    canvas.server.get_event_loop().call_soon_threadsafe(go_first)
     try:
         asyncio.run(server.serve(sockets=[listening]))
     finally:
