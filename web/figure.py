@@ -24,8 +24,8 @@ FOOT = 2.1  # foot pad radius over the machine's foot radius
 
 SHELL = (0.86, 0.87, 0.86)
 AMBER = (0.98, 0.60, 0.13)
-GRAPHITE = (0.21, 0.23, 0.26)
-STEEL = (0.50, 0.54, 0.59)
+GRAPHITE = (0.33, 0.355, 0.395)
+STEEL = (0.58, 0.62, 0.67)
 EYE = (0.30, 0.90, 1.0)
 
 
@@ -148,11 +148,11 @@ class Figure:
         slit = octagon(w * 1.015, h * 0.30, 0.015)
         vents = [loft([(-a * (0.55 - 0.12 * k), slit), (-a * (0.49 - 0.12 * k), slit)]) for k in range(3)]
         parts = [
-            _plain(hull, colour=GRAPHITE, metallic=0.15, roughness=0.6),
-            _plain(deck, colour=SHELL, metallic=0.05, roughness=0.45),
+            _plain(hull, colour=GRAPHITE, roughness=0.6),
+            _plain(deck, colour=SHELL, roughness=0.45),
             _plain(stripe, colour=AMBER, roughness=0.5),
             _plain(loft(nose), colour=AMBER, roughness=0.5),
-            _plain(head, colour=(0.22, 0.24, 0.27), metallic=0.4, roughness=0.45),
+            _plain(head, colour=(0.30, 0.325, 0.36), roughness=0.45),
             _plain(visor, colour=EYE, glow=1.0, roughness=0.3),
             *(_plain(vent, colour=(0.08, 0.09, 0.10), roughness=0.8) for vent in vents),
         ]
@@ -167,7 +167,7 @@ class Figure:
         g = self.girth
         block = loft([(-1.5 * g, octagon(reach, 1.1 * g, 0.4 * g)), (1.5 * g, octagon(reach, 1.1 * g, 0.4 * g))])
         bracket = _moved(block, (hip[0], hip[1] - side * 0.4 * reach, hip[2]))
-        return [_plain(bracket, colour=STEEL, metallic=0.5, roughness=0.45)]
+        return [_plain(bracket, colour=STEEL, roughness=0.45)]
 
     def thigh_shape(self) -> bytes:
         """A boxy beam from the origin up z, for one thigh."""
@@ -175,18 +175,18 @@ class Figure:
         outlines = [(0.0, 0.85, 0.95, 0.30), (0.12, 1.05, 1.25, 0.35), (0.80, 0.80, 0.95, 0.30), (1.0, 0.62, 0.70, 0.25)]
         beam = loft([(span * at, octagon(g * wide, g * high, g * cut)) for at, wide, high, cut in outlines], axis=2)
         band = loft([(span * 0.56, octagon(g * 0.93, g * 1.10, g * 0.32)), (span * 0.64, octagon(g * 0.91, g * 1.07, g * 0.32))], axis=2)
-        return glb([_plain(beam, colour=SHELL, metallic=0.05, roughness=0.45), _plain(band, colour=AMBER, roughness=0.5)])
+        return glb([_plain(beam, colour=SHELL, roughness=0.45), _plain(band, colour=AMBER, roughness=0.5)])
 
     def shin_shape(self) -> bytes:
         """A tapering tube with a collar, for one shin."""
         g, span = self.girth, self.shin
         tube = turned([(0.0, 0.60 * g), (0.05 * span, 0.72 * g), (0.40 * span, 0.60 * g), (0.93 * span, 0.34 * g), (span, 0.34 * g)])
         collar = turned([(0.16 * span, 0.70 * g), (0.165 * span, 0.86 * g), (0.30 * span, 0.82 * g), (0.305 * span, 0.60 * g)])
-        return glb([_round(tube, colour=(0.34, 0.365, 0.40), metallic=0.25, roughness=0.5), _round(collar, colour=SHELL, roughness=0.45)])
+        return glb([_round(tube, colour=(0.47, 0.50, 0.55), roughness=0.42), _round(collar, colour=SHELL, roughness=0.45)])
 
     def joint_shape(self) -> bytes:
         """A ball for hips and knees."""
-        return glb([_round(ball(1.08 * self.girth), colour=GRAPHITE, metallic=0.5, roughness=0.38)])
+        return glb([_round(ball(1.08 * self.girth), colour=GRAPHITE, roughness=0.38)])
 
     def foot_shape(self) -> tuple[Floats, NDArray[Any]]:
         """A pad standing on its tip, coloured by whether it carries."""

@@ -27,7 +27,7 @@ Floats = NDArray[np.float64]
 FOLDS = 8  # small triangles a side when a polygon is laid over the ground
 CORNERS = 8  # corners a support polygon can have: as many as a machine can have legs
 SHADOW_RINGS, SHADOW_CORNERS = 5, 24
-LIFT = 0.02  # m, overlays above the ground: less flickers through it
+LIFT = 0.03  # m, overlays above the ground: less flickers through it
 COURSE_LENGTH = 1.6  # m of course drawn ahead of the centre of gravity
 TRAIL_HZ = 5.0  # trails are sent this often (line geometry is rebuilt on the page)
 MARGIN_GOOD = 0.08  # m, polygon margin drawn fully green
@@ -68,7 +68,7 @@ class Scene:
 
     def draw(self, snapshot: Snapshot) -> None:
         """Show this instant: one atomic update, one flush."""
-        if snapshot.machine is not self._machine:
+        if snapshot.machine is not self._machine and snapshot.machine != self._machine:
             self._rebuild(snapshot.machine)
         assert self._walker is not None and self._overlay is not None and self._ground is not None
         self._ground.draw(snapshot.terrain)
@@ -101,10 +101,10 @@ class Scene:
         for folder in LAYERS.values():
             scene.add_frame(f"/world/{folder}", show_axes=False)
         scene.configure_default_lights(enabled=False, cast_shadow=False)
-        scene.configure_environment_map("studio", background=False, environment_intensity=0.55)
-        scene.add_light_directional("/sun", color=(255, 244, 228), intensity=2.2, position=(-3.0, 3.0, 5.0))
-        scene.add_light_directional("/fill", color=(170, 200, 255), intensity=0.7, position=(3.0, -4.0, 2.0))
-        scene.add_light_hemisphere("/sky", sky_color=(200, 215, 235), ground_color=(70, 66, 60), intensity=0.9)
+        scene.configure_environment_map(None)  # reflections cost a quarter of the frame where there is no GPU
+        scene.add_light_directional("/sun", color=(255, 244, 228), intensity=2.6, position=(-3.0, 3.0, 5.0))
+        scene.add_light_directional("/fill", color=(205, 218, 240), intensity=1.0, position=(1.0, -4.0, 1.6))
+        scene.add_light_hemisphere("/sky", sky_color=(200, 215, 235), ground_color=(96, 90, 82), intensity=2.0)
         scene.configure_fog(7.0, 26.0, color=FOG)
         scene.set_background_image(sky(), format="png")
         gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False)
@@ -128,6 +128,8 @@ class Watcher:
         self.client = client
         self.follows = True
         self.world = client.scene.add_frame("/world", show_axes=False)
+        if client.camera.aspect < 1.0:
+            self._home()  # an upright phone sees less to the sides
         self.layers: dict[str, viser.FrameHandle] = {}
         follow = client.gui.add_checkbox("Follow", True)
         follow.on_update(lambda event: self._set_follow(bool(event.target.value)))
@@ -150,8 +152,10 @@ class Watcher:
         self.layers[label].visible = shown
 
     def _home(self) -> None:
+        away = min(max(1.0, 1.25 / self.client.camera.aspect), 2.2)
+        place = tuple(look + away * (eye - look) for eye, look in zip(CAMERA, LOOK_AT, strict=True))
         with self.client.atomic():
-            self.client.camera.position, self.client.camera.look_at = CAMERA, LOOK_AT
+            self.client.camera.position, self.client.camera.look_at = np.array(place), np.array(LOOK_AT)
             self.client.camera.up_direction = (0.0, 0.0, 1.0)
 
     def move(self, position: tuple[float, float, float]) -> None:
@@ -363,7 +367,7 @@ class Overlay:
         flat = np.concatenate([*rings, *(spot + foot for foot in feet)])
         heights = ground.heights(flat, z - self.machine.height)
         level = np.repeat(np.arange(len(flat) // SHADOW_CORNERS) % SHADOW_RINGS, SHADOW_CORNERS)
-        return [(self.shadow, "vertices", np.column_stack([flat, heights + 0.008 + 0.0015 * level]).astype(np.float32))]
+        return [(self.shadow, "vertices", np.column_stack([flat, heights + 0.014 + 0.002 * level]).astype(np.float32))]
 
     def _reach(self, snapshot: Snapshot) -> list[Change]:
         """Reach rectangles at standing height, carried along by the body, and the stroke lines through their middles."""

@@ -1,7 +1,7 @@
 // The canvas in its frame: our own menu works viser's (hidden) switches, which are this viewer's alone.
 
 const TRIES = 40;
-const STYLE = ".mantine-Notifications-root{display:none!important} canvas{outline:none}";
+const STYLE = ".mantine-Notifications-root, .mantine-Paper-root { display: none !important; } canvas { outline: none; }";
 
 export class View {
   constructor(frame) {

@@ -1,0 +1,178 @@
+"""A real browser on a real server: the stick walks the machine, the picture changes, letting go stops it."""
+
+import io
+import json
+import os
+import shutil
+import subprocess
+import sys
+import urllib.request
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from PIL import Image, ImageChops
+from playwright.sync_api import Browser, Page, sync_playwright
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
+SOFTWARE_DRAWING = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+FLAGS = (*SOFTWARE_DRAWING, "--no-sandbox", "--disable-background-networking", "--no-first-run")
+PATIENCE = 60.0  # s; software drawing on a busy machine is slow
+POLL = 60  # ms
+
+BROWSER = os.environ.get("WALKING_CONSOLE_BROWSER") or next(filter(None, map(shutil.which, BROWSERS)), None)
+pytestmark = [
+    pytest.mark.browser,
+    pytest.mark.slow,
+    pytest.mark.skipif(BROWSER is None, reason="no Chromium or Chrome is installed: the browser tests were not run"),
+]
+
+
+@pytest.fixture(scope="module")
+def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    words = [sys.executable, "-m", "server", "serve", "--port", "0", "--no-open", "--scenario", "flat"]
+    data = tmp_path_factory.mktemp("served")
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).resolve().parents[2])}
+    server = subprocess.Popen(words, cwd=data, env=environment, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    assert server.stdout is not None
+    try:
+        yield server.stdout.readline().strip()
+    finally:
+        server.terminate()
+        server.communicate(timeout=15)
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=BROWSER, args=list(FLAGS))
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture(scope="module")
+def opened(address: str, browser: Browser) -> Iterator[Page]:
+    """The console in one page; opened once, since the first drawing takes software a while."""
+    page = browser.new_page(viewport={"width": 900, "height": 620})
+    page.goto(address)
+    page.wait_for_selector("body.live")
+    until(page, lambda: page.frames[1].locator("canvas").count() > 0 and detail(picture(page)) > 8.0)
+    yield page
+    page.close()
+
+
+@pytest.fixture
+def page(address: str, opened: Page) -> Iterator[Page]:
+    """The open page, the machine at its start."""
+    tell(address, "reset")
+    yield opened
+    opened.mouse.up()
+
+
+def now(address: str) -> dict[str, Any]:
+    with urllib.request.urlopen(f"{address}/api/v1/console", timeout=10) as answer:
+        found: dict[str, Any] = json.load(answer)
+        return found
+
+
+def tell(address: str, action: str) -> None:
+    urllib.request.urlopen(urllib.request.Request(f"{address}/api/v1/console/{action}", method="POST"), timeout=10).close()
+
+
+def until(page: Page, holds: Callable[[], bool]) -> None:
+    """Let the page run until something holds; fails when it never does."""
+    for _ in range(int(PATIENCE * 1000 / POLL)):
+        if holds():
+            return
+        page.wait_for_timeout(POLL)
+    raise AssertionError(f"still not so after {PATIENCE:g} s: {now(page.url.rstrip('/'))}")
+
+
+def picture(page: Page) -> Image.Image:
+    """The middle of the canvas, where the machine stands and no panel lies."""
+    clip = {"x": 250, "y": 190, "width": 380, "height": 200}
+    return Image.open(io.BytesIO(page.screenshot(clip=clip))).convert("RGB")
+
+
+def detail(image: Image.Image) -> float:
+    """How much there is to see: the spread of brightness."""
+    shades = image.convert("L").histogram()
+    count = sum(shades)
+    mean = sum(shade * n for shade, n in enumerate(shades)) / count
+    return (sum(n * (shade - mean) ** 2 for shade, n in enumerate(shades)) / count) ** 0.5
+
+
+def changed(before: Image.Image, after: Image.Image) -> float:
+    """Share of pixels that clearly differ."""
+    levels = ImageChops.difference(before, after).convert("L").histogram()
+    return sum(levels[24:]) / sum(levels)
+
+
+def grab(page: Page, right: float, up: float) -> None:
+    """Press the stick in its middle and drag it, in shares of its radius."""
+    box = page.locator("#stick").bounding_box()
+    assert box is not None
+    x, y, radius = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2, box["width"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + right * radius, y - up * radius, steps=4)
+
+
+def test_dragging_the_stick_walks_the_machine_and_letting_go_stops_it(address: str, page: Page) -> None:
+    before = picture(page)
+    grab(page, 0.0, 1.0)
+    until(page, lambda: now(address)["distance_m"] > 0.10 and now(address)["speed_m_s"] > 0.05)
+    assert now(address)["crab_angle_rad"] == pytest.approx(0.0, abs=0.05)
+    assert now(address)["body"][0] > 0.05
+    until(page, lambda: changed(before, picture(page)) > 0.02)
+    assert "you drive" in page.inner_text("#lease")
+    page.mouse.up()
+    until(page, lambda: now(address)["speed_m_s"] == 0.0 and now(address)["walked_m_s"] == 0.0)
+    held = now(address)
+    until(page, lambda: now(address)["tick"] > held["tick"] + 25)
+    assert now(address)["body"][:2] == held["body"][:2]
+
+
+def test_left_on_the_stick_is_left_of_the_torso(address: str, page: Page) -> None:
+    grab(page, -1.0, 0.0)
+    until(page, lambda: now(address)["body"][1] > 0.03 and now(address)["crab_angle_rad"] == pytest.approx(1.5708, abs=0.05))
+    page.mouse.up()
+    until(page, lambda: now(address)["speed_m_s"] == 0.0)
+
+
+def test_held_keys_walk_whichever_part_has_the_focus(address: str, page: Page) -> None:
+    page.mouse.click(440, 300)  # into the canvas: its frame takes the focus
+    assert page.evaluate("document.activeElement.id") == "view"
+    page.keyboard.down("w")
+    until(page, lambda: now(address)["walked_m_s"] > 0.0)
+    page.keyboard.up("w")
+    until(page, lambda: now(address)["speed_m_s"] == 0.0)
+    page.locator("#stick").focus()
+    page.keyboard.down("ArrowDown")
+    until(page, lambda: now(address)["speed_m_s"] > 0.0 and abs(now(address)["crab_angle_rad"]) == pytest.approx(3.1416, abs=0.01))
+    page.keyboard.up("ArrowDown")
+    until(page, lambda: now(address)["speed_m_s"] == 0.0)
+
+
+def test_space_stops_for_everybody_until_it_is_released(address: str, page: Page) -> None:
+    page.mouse.click(440, 300)
+    page.keyboard.press("Space")
+    until(page, lambda: now(address)["stopped"])
+    page.keyboard.down("w")
+    until(page, lambda: page.locator("#toast").is_visible())
+    assert now(address)["speed_m_s"] == 0.0
+    page.keyboard.up("w")
+    page.click("#stop")
+    until(page, lambda: not now(address)["stopped"])
+
+
+def test_closing_the_page_stops_the_machine(address: str, page: Page, browser: Browser) -> None:
+    other = browser.new_page(viewport={"width": 900, "height": 620})
+    other.goto(address)
+    other.wait_for_selector("body.live")
+    other.click("#take") if other.locator("#take").is_visible() else None
+    grab(other, 0.0, 1.0)
+    until(other, lambda: now(address)["walked_m_s"] > 0.0)
+    other.close()
+    until(page, lambda: now(address)["speed_m_s"] == 0.0)
