@@ -301,7 +301,9 @@ FORWARD_KEYS = """
 
 HIDE_PANEL = """
 /* viser's own panels: the page around has its own, and on a phone this one would lie under the thumbs */
-[data-floating-window], [data-dock-region], [data-dock-rail-root], .mantine-Paper-root, .mantine-Notification-root { display: none !important; }
+[data-floating-window], [data-dock-region], [data-dock-rail-root], .mantine-Paper-root, .mantine-Notification-root {
+  display: none !important;
+}
 """
 
 LOADER_MARK = 'e.type="module";'  # where the client's loader makes the script element that it fills with the unpacked client
