@@ -27,8 +27,12 @@ HELD_MAX = 3  # steps cut short for it, one after the other, before it says so a
 WHISKER_TIP = 0.05  # m beyond the rim of the foot: how far whiskers feel
 LANDED_AS_PLANNED = 0.02  # m; a foot set down farther from J_u than this has not finished its step
 
+PIECES = 4  # pieces of thought a tick while a step runs; more and the tick takes longer than it need
+PIECES_WANTED = 16  # the same while Level C waits for the step (F3): still well inside a tick
+WAIT_MAX = 3  # ticks Level C waits on standing feet before it takes the best step thought of so far
+
 PlanStep = Callable[[Stance, Command, TerrainMap], StepPlan | Blocked]
-Thinking = Generator[None, None, StepPlan | Blocked]
+Thinking = Generator[None, bool | None, StepPlan | Blocked]  # pauses after each piece; send(True): the best so far is wanted now
 Think = Callable[[Stance, Command, TerrainMap], Thinking]
 
 _MODES = {
@@ -174,8 +178,7 @@ class Walk:
         stance = self._actual(sensing, plan.end)
         self._finish(replace(plan, end=stance))
         self._held = 0
-        self._consider(stance, command, terrain)
-        self._think_on()
+        self._consider(stance, command, terrain, PIECES_WANTED)
         answer = self._ready
         if answer is None:  # not thought through yet: hold on standing feet
             self._rest(stance, keep_thinking=True)
@@ -184,6 +187,7 @@ class Walk:
 
     def _begin(self, answer: StepPlan | Blocked, stance: Stance, left: float, command: Command) -> float:
         self.stance = stance
+        self._waited = 0
         self._forget()
         if isinstance(answer, Blocked):
             self._rest(stance)
@@ -212,8 +216,10 @@ class Walk:
         asked = self._asked
         still_asked = asked is not None and asked[1] == command and asked[2] is terrain
         stance = asked[0] if asked is not None and still_asked else self._actual(sensing, self.stance)
-        self._consider(stance, command, terrain)
-        self._think_on()
+        self._consider(stance, command, terrain, PIECES_WANTED)
+        self._waited += 1
+        if self._waited >= WAIT_MAX and self._ready is None:
+            self._think_on(PIECES_WANTED, wanted_now=True)
         if self._ready is not None:
             answer = self._ready
             self._begin(answer, stance, 0.0, command)
@@ -221,7 +227,9 @@ class Walk:
 
     _refused: tuple[Command, TerrainMap] | None = None  # what the last Blocked was an answer to
 
-    def _consider(self, stance: Stance, command: Command, terrain: TerrainMap) -> None:
+    _waited = 0  # ticks Level C has waited for the next step
+
+    def _consider(self, stance: Stance, command: Command, terrain: TerrainMap, pieces: int = PIECES) -> None:
         """Ask for the step from ``stance`` unless just that was asked already; think a little further on it."""
         asked = self._asked
         if asked is None or asked[0] is not stance or asked[1] != command or asked[2] is not terrain:
@@ -230,13 +238,17 @@ class Walk:
             self._ready = None
             self.flags = (True, False, False)
         if self._ready is None:
-            self._think_on()
+            self._think_on(pieces)
 
-    def _think_on(self) -> None:
+    def _think_on(self, pieces: int, wanted_now: bool = False) -> None:
         if self._thinking is None:
             return
         try:
-            next(self._thinking)
+            for _ in range(pieces):
+                if wanted_now:
+                    self._thinking.send(True)
+                else:
+                    next(self._thinking)
         except StopIteration as done:
             self._ready = done.value
             self._thinking = None
@@ -311,6 +323,7 @@ class Walk:
         self.encounter = None
         self.blocked = None
         self._refused = None
+        self._waited = 0
         if not keep_thinking:
             self._forget()
             self.flags = (False, False, False)

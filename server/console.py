@@ -17,15 +17,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner import support
-from planner.crab import naive
+from planner.belief import Belief
+from planner.crab import foresee, naive
 from planner.crab.plan import plan_step
 from planner.crab.posture import stance_on
+from planner.crab.route import RouteState, plan_route
 from planner.crab.standard import standard_stance
 from planner.machine import Machine, load_machine
 from planner.reflex import Gains
 from planner.terrain import TerrainMap, classify
-from planner.vocabulary import Blocked, Command, Gait, Mode, Stance
-from planner.walk import DT, Think, Thinking, Walk
+from planner.vocabulary import Blocked, Command, Gait, Mode, Sensing, Stance, StepPlan
+from planner.walk import DT, PlanStep, Think, Thinking, Walk, feet_absolute
+from sim.eye import Eye
 from sim.ground import Ground, make_ground
 from sim.robot import Noise, Plant
 from sim.scenarios import Scenario, ScenarioError
@@ -33,6 +36,9 @@ from sim.snapshot import Snapshot, TerrainView
 
 HOLD = Command()
 EDIT_CELLS_MAX = 40_000  # cells one terrain edit may change
+COURSES_MAX = 3  # courses Level B1 may offer for one step before the walk is called blocked
+LOOK_ROUND = (0.0, 2 * math.pi / 3, -2 * math.pi / 3)  # rad; before it sets out the eye has looked everywhere
+SET_DOWN = 1.2  # m around the start: ground the machine was set down on, known whatever the eye sees
 
 
 @dataclass(frozen=True)
@@ -71,6 +77,16 @@ def start_stance(scenario: Scenario, machine: Machine, gait: Gait, height_at: Ca
         return stance_on(machine, gait, scenario.start.feet, *scenario.start_pose, height_at)
     except ValueError as error:
         raise ScenarioError(f"start.feet: {error}") from None
+
+
+def _without_pause(step: PlanStep) -> Think:
+    """A planner that answers at once, as one that could have paused."""
+
+    def think(stance: Stance, command: Command, terrain: TerrainMap) -> Thinking:
+        return step(stance, command, terrain)
+        yield
+
+    return think
 
 
 def first_crab_angle(scenario: Scenario) -> float:
@@ -137,21 +153,84 @@ class Console:
         self.plant = Plant(world.machine, world.ground, world.stance, noise=noise, rng=np.random.default_rng(world.scenario.seed))
         self.walk = Walk(world.machine, world.gait, world.stance, self._thinker(world), Gains())
         self.command = HOLD
+        self.route = RouteState()
         self._mailbox = (HOLD, None)
         self.tick_count = 0
         self.distance = 0.0
         self.revision += 1
         self._drawn_terrain: TerrainView | None = None
+        self._begin_to_know(world)
 
     def _thinker(self, world: World) -> Think:
-        rule = naive.plan_step if world.scenario.mode == "naive" else plan_step
-        step = partial(rule, machine=world.machine, gait=world.gait, explain=self.explain)
+        scenario = world.scenario
+        machine, gait, explain = world.machine, world.gait, self.explain
+        if scenario.mode == "predictive":
+            think: Think = partial(foresee.think, machine=machine, gait=gait, explain=explain)
+        else:
+            rule = naive.plan_step if scenario.mode == "naive" else plan_step
+            think = _without_pause(partial(rule, machine=machine, gait=gait, explain=explain))
+        if not scenario.detours or scenario.mode == "naive":
+            return think
+        return partial(self._along_a_route, think)
 
-        def at_once(stance: Stance, command: Command, terrain: TerrainMap) -> Thinking:
-            return step(stance, command, terrain)
-            yield  # a generator that never pauses
+    def _along_a_route(self, think: Think, stance: Stance, command: Command, terrain: TerrainMap) -> Thinking:
+        """Level B1, then B2 to B4 on the course it gives; where they find no step B1 is asked for another."""
+        command = replace(command, speed=self.command.speed)
+        cautious, refused, first = self.world.scenario.sensing == "eye", list[float](), None
+        for _ in range(COURSES_MAX):
+            steered, route, why = plan_route(self.route, command, stance, terrain, self.world.machine, refused, cautious)
+            answer = why or (yield from think(stance, steered, terrain))
+            first = first or (route, answer)
+            if isinstance(answer, StepPlan):
+                self.route = route
+                return answer
+            if why is not None or command.turn_rate != 0.0:
+                break
+            refused.append(route.offset)
+        assert first is not None
+        self.route, answer = replace(first[0], speed_limit=math.inf), first[1]
+        return answer
 
-        return at_once
+    # what it knows of the ground
+
+    def _begin_to_know(self, world: World) -> None:
+        """With ``sensing = "known"`` the map is the truth; else it begins with the ground the machine was set down on."""
+        self.memory: Belief | None = None
+        self.eye: Eye | None = None
+        self._steps_known = -1
+        scenario, ground = world.scenario, world.ground
+        if scenario.sensing == "known":
+            return
+        level = sum(foot[2] for foot in world.stance.feet) / len(world.stance.feet)
+        shape, machine = ground.heights.shape, world.machine
+        self.memory = Belief(
+            (shape[0], shape[1]), ground.cell, ground.origin, machine, unknown=scenario.unknown, final=ground.final, level=level
+        )
+        self.memory.touch(world.stance.feet)
+        if scenario.sensing == "eye":
+            self.eye = Eye(machine, ground, np.random.default_rng([scenario.seed, 9]), scenario.eye)
+            self.memory.see(*disc(ground, world.stance.body[0], world.stance.body[1], SET_DOWN))
+            for direction in LOOK_ROUND:
+                self.memory.see(*self.eye.look(self.plant.body, direction))
+        self._believe(self.memory.publish())
+
+    def _perceive(self, memory: Belief, sensing: Sensing) -> None:
+        """What the feet touch and the eye sees goes into the memory; planning gets a new map at step switches and at rest."""
+        eye, walk = self.eye, self.walk
+        looks = eye is not None and self.tick_count % eye.settings.every == 0
+        if eye is not None and looks:
+            memory.see(*eye.look(self.plant.body, self.command.crab_angle))
+        if walk.steps_begun != self._steps_known:
+            self._steps_known = walk.steps_begun
+            standing = [foot for foot, sole in zip(feet_absolute(sensing), sensing.soles, strict=True) if sole]
+            memory.touch(standing)
+            if standing:
+                memory.suppose(standing)
+        elif not (looks and walk.kind == "stand"):
+            return
+        believed = memory.publish()
+        if believed is not self.belief:
+            self._believe(believed)
 
     # what anybody may leave for the next tick
 
@@ -181,6 +260,10 @@ class Console:
             self.tick_count += 1
             return
         sensing = plant.sense()
+        if command.holds:
+            self.route = RouteState()
+        elif self.route.speed_limit < command.speed:
+            command = replace(command, speed=self.route.speed_limit)
         velocities = walk.advance(sensing, command, self.belief)
         x, y = plant.body[0], plant.body[1]
         plant.move(velocities)
@@ -188,8 +271,13 @@ class Console:
             self._count_distance(plant.body[0] - x, plant.body[1] - y, command)
         if walk.executed is not None:
             learnt = walk.take_learnt()
-            if learnt:
+            if learnt and self.memory is None:
                 self._believe(self.belief.forbid(learnt))
+            elif learnt and self.memory is not None:
+                self.memory.learn(learnt)
+                self._believe(self.memory.publish())
+        if self.memory is not None:
+            self._perceive(self.memory, sensing)
         self.tick_count += 1
 
     def _count_distance(self, dx: float, dy: float, command: Command) -> None:
@@ -216,8 +304,21 @@ class Console:
         self.ground = replace(self.ground, heights=heights)
         self.true_forbidden = forbidden
         self.plant.replace_ground(self.ground)
+        if self.memory is not None:
+            self._hear_of(edit, self.memory)
+            return
         known = self.belief.forbidden & ~self.world.forbidden if edit.action != "clear" else np.zeros_like(forbidden)
         self._believe(replace(self.belief, heights=heights, forbidden=forbidden | known))
+
+    def _hear_of(self, edit: Edit, memory: Belief) -> None:
+        """The world has changed behind its back; only what is forbidden or cleared is told to it."""
+        if self.eye is not None:
+            self.eye.replace_ground(self.ground)
+        if edit.action == "forbid":
+            memory.learn(edit.cells)
+        elif edit.action == "clear":
+            memory.forget(edit.cells)
+        self._believe(memory.publish())
 
     def _believe(self, belief: TerrainMap) -> None:
         self.belief = belief
@@ -302,6 +403,14 @@ class Console:
             rate=rate,
             late=late,
         )
+
+
+def disc(ground: Ground, x: float, y: float, radius: float) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.float64]]:
+    """Rows, columns and true heights of the cells around a point."""
+    dx = ground.origin[0] + (np.arange(ground.columns) + 0.5) * ground.cell - x
+    dy = ground.origin[1] + (np.arange(ground.rows) + 0.5) * ground.cell - y
+    rows, columns = np.nonzero(np.hypot(dx[None, :], dy[:, None]) <= radius)
+    return rows, columns, ground.heights[rows, columns]
 
 
 def edited(

@@ -41,6 +41,12 @@ class Choice(NamedTuple):
     search: str  # paper | back | near | wide
     ways: Ways
     horizon: int  # steps the ways were followed
+    finished: bool = True  # False: the answer was wanted before the search was over
+
+    @property
+    def pace(self) -> float:
+        """What the best way gains a step, m."""
+        return self.ways[0].pace(self.horizon) if self.ways else 0.0
 
 
 def standard_way(standard: Standard) -> float:
@@ -55,16 +61,22 @@ def choose(field: Field, paper: Step | None) -> Generator[None, bool | None, Cho
         return Choice("paper", [Branch(paper, field.start, paper.g, paper.g, 1)], 1)
     enough = GETS_ON * standard_way(field.standard)
     if open_ahead:
-        back = yield from _back_to_standard(field)
-        if back.ways and (not back.finished or back.ways[0].pace(BACK_STEPS + 1) >= enough):
-            return Choice("back", back.ways, BACK_STEPS + 1)
-    near = yield from _near(field)
-    if near.ways and (not near.finished or near.ways[0].pace(DEPTH) >= enough):
-        return Choice("near", near.ways, DEPTH)
-    wide = yield from _wide(field)
-    if not near.ways or (wide.ways and wide.ways[0].pace(LOOK + 2) > near.ways[0].pace(DEPTH)):
-        return Choice("wide", [*wide.ways, *near.ways], LOOK + 2)
-    return Choice("near", [*near.ways, *wide.ways], DEPTH)
+        back = choice_of("back", (yield from _back_to_standard(field)), BACK_STEPS + 1)
+        if not back.finished or back.pace >= enough:
+            return back
+    near = choice_of("near", (yield from look_near(field)), DEPTH)
+    if not near.finished or near.pace >= enough:
+        return near
+    wide = choice_of("wide", (yield from _wide(field)), LOOK + 2)
+    best, other = (wide, near) if wide.ways and (wide.pace > near.pace or not near.ways) else (near, wide)
+    return Choice(best.search, [*best.ways, *other.ways], best.horizon)
+
+
+def choice_of(search: str, found: Ahead, horizon: int) -> Choice:
+    """A search's result; one cut short is measured by the steps it came to."""
+    if found.finished:
+        return Choice(search, found.ways, horizon)
+    return Choice(search, found.ways, found.ways[0].steps, False)
 
 
 # the searches
@@ -80,7 +92,7 @@ def _back_to_standard(field: Field) -> Work:
     return found
 
 
-def _near(field: Field) -> Work:
+def look_near(field: Field) -> Work:
     """Broken ground: steps near the paper's, several deep; what the footholds still hold is worth as much as way made."""
     standard = field.standard
     gain = gain_with(standard, CARE)
