@@ -20,6 +20,7 @@ from planner.machine import Machine
 from planner.vocabulary import Command
 from planner.vocabulary import Gait as MachineGait
 
+from .eye import EyeSettings
 from .terrains import KINDS, SEED_MAX, AnyTerrain, Box, Degrees, FileTerrain, Flat, Place, list_terrains
 
 __all__ = [
@@ -224,6 +225,8 @@ class Scenario(_Table):
     mode: Literal["naive", "paper", "predictive"] = DEFAULT_MODE  # naive: only to show what H fig. 6(c) shows
     sensing: Literal["known", "eye", "none"] = "known"
     unknown: Literal["flat", "forbidden"] = "flat"
+    detours: bool = True  # Level B1 goes round what cannot be crossed; false: the commanded course and no other
+    eye: EyeSettings | None = None
     seed: int = Field(default=1, ge=0, le=SEED_MAX)
     gait: GaitChange = GaitChange()
     terrain: AnyTerrain = Flat(kind="flat")

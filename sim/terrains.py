@@ -287,9 +287,15 @@ class Holes(Generated):
     kind: Literal["holes"]
     fraction: float = Field(default=0.3, ge=0.0, le=1.0, description="share of the cells that are holes")
     cell: float = Field(default=0.05, ge=CELL_MIN, le=CELL_MAX, description="m")
+    large: list[Annotated[list[Place], Field(min_length=4, max_length=4)]] = Field(
+        default=[], max_length=100, description="m, x_min, x_max, y_min, y_max of each large hole"
+    )
 
     def shape(self, site: Site) -> Array:
-        return np.where(_lattice(site, site.cell, 2) < self.fraction, math.nan, 0.0)
+        heights = np.where(_lattice(site, site.cell, 2) < self.fraction, math.nan, 0.0)
+        for x_min, x_max, y_min, y_max in self.large:
+            heights[(site.x > x_min) & (site.x < x_max) & (site.y > y_min) & (site.y < y_max)] = math.nan
+        return heights
 
 
 class Footholds(Generated):

@@ -130,10 +130,10 @@ def _on_the_line(line: tuple[float, float, float], x: float, y: float) -> tuple[
 def _as_before(state: RouteState, stance: Stance, region: Region, survey: Survey) -> Way | None:
     """Straight on along the line, or on to the corner made for, as long as nothing has come in between."""
     if state.aim is None:
-        good = abs(region.off) <= ON_LINE and survey.straight_is_good()
+        good = abs(region.off) <= ON_LINE and survey.straight_is_fit()
         return Way(((region.length, 0.0),), math.inf) if good else None
     s, d = region.seen_from(stance, *state.aim)
-    if math.hypot(s, d - region.off) <= REACHED or s < -REACHED or not np.isfinite(survey.along(s, d)[0]).all():
+    if math.hypot(s, d - region.off) <= REACHED or s < -REACHED or not np.isfinite(survey.along(s, d)).all():
         return None
     return Way(((s, d), *(region.seen_from(stance, *corner) for corner in state.way[1:])), math.inf)
 

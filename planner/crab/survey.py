@@ -35,6 +35,7 @@ LEAD_MIN = 0.1  # m; a nearer first layer would be reached in the next step
 WIDTH = 2.0  # m to either side of the line; obstacles wider than twice this are not gone round
 BODIES_AHEAD = 2.0  # body lengths looked ahead
 SAMPLE = 0.05  # m, at which the map is read
+RIM = 0.6  # of a sample, by which rectangles are widened: rather try a gap as long as the stroke than go round it
 
 SCARCE, SCARCE_COST = 0.5, 3.0  # of the usual density of footholds; what a place without any would cost, m per m
 SCARCE_BELOW = 0.3  # density that is never scarce
@@ -142,19 +143,28 @@ class Survey:
         self._let_out()
 
     def _read(self, stance: Stance, terrain: TerrainMap) -> None:
+        """The map at every sample point; where cells are smaller, a foothold in any quarter of the sample will do."""
+        flat, inside = self._cells(stance, terrain, 0.0, 0.0)
+        self.known: Bools = inside if terrain.known is None else inside & terrain.known.ravel()[flat]
+        self.all_known = bool((self.known | ~inside).all())
+        self.heights: Array = np.where(inside, terrain.heights.ravel()[flat], np.nan)
+        quarter = self.step / 4
+        shifts = [(0.0, 0.0)] if terrain.cell >= self.step else [(dx, dy) for dx in (-quarter, quarter) for dy in (-quarter, quarter)]
+        open_ground = ~terrain.forbidden.ravel()
+        self.allowed: Bools = ~self.known & inside
+        for dx, dy in shifts:
+            cells, on_map = self._cells(stance, terrain, dx, dy)
+            self.allowed |= on_map & open_ground[cells]
+
+    def _cells(self, stance: Stance, terrain: TerrainMap, dx: float, dy: float) -> tuple[NDArray[np.intp], Bools]:
+        """Flat index of the cell at every sample point moved by (dx, dy), and whether it is on the map."""
         x, y, _, yaw = stance.body
         c, s = math.cos(yaw), math.sin(yaw)
-        px, py = x + c * self.x[None, :] - s * self.y[:, None], y + s * self.x[None, :] + c * self.y[:, None]
-        columns = np.floor((px - terrain.origin[0]) / terrain.cell).astype(np.intp)
-        rows = np.floor((py - terrain.origin[1]) / terrain.cell).astype(np.intp)
+        bx, by = (self.x + dx)[None, :], (self.y + dy)[:, None]
+        columns = np.floor((x - terrain.origin[0] + c * bx - s * by) / terrain.cell).astype(np.intp)
+        rows = np.floor((y - terrain.origin[1] + s * bx + c * by) / terrain.cell).astype(np.intp)
         inside = (columns >= 0) & (columns < terrain.columns) & (rows >= 0) & (rows < terrain.rows)
-        flat = np.where(inside, rows * terrain.columns + columns, 0)
-        self.known: Bools = inside if terrain.known is None else inside & terrain.known.ravel()[flat]
-        known_or_off_map = self.known | ~inside
-        self.heights: Array = np.where(inside, terrain.heights.ravel()[flat], np.nan)
-        refused = np.where(inside, terrain.forbidden.ravel()[flat], True)
-        self.allowed: Bools = (~refused & ~np.isnan(self.heights)) | ~known_or_off_map
-        self.all_known = bool(known_or_off_map.all())
+        return np.where(inside, rows * terrain.columns + columns, 0), inside
 
     # places of the body
 
@@ -189,7 +199,7 @@ class Survey:
     def _window(self, box: Box) -> tuple[int, int, int, int]:
         """A rectangle in body axes as sample offsets, first and one past last, in x and y."""
         x1, x2, y1, y2 = (v / self.step for v in box)
-        return math.ceil(x1 - 0.01), math.floor(x2 + 0.01) + 1, math.ceil(y1 - 0.01), math.floor(y2 + 0.01) + 1
+        return math.ceil(x1 - RIM), math.floor(x2 + RIM) + 1, math.ceil(y1 - RIM), math.floor(y2 + RIM) + 1
 
     def _walls(self, solid: Bools) -> Bools | None:
         """Ground a leg cannot be lifted over from the lowest ground around; None when there is none."""
@@ -199,9 +209,8 @@ class Survey:
         if finite.size == 0 or finite.max() - finite.min() <= limit:
             return None
         around = max(1, round((self.machine.boxes[0][3] - self.machine.boxes[0][2]) / self.step))
-        rise = known - _least_around(known, around)
-        with np.errstate(invalid="ignore"):
-            return np.asarray((rise > limit) & np.isfinite(known))
+        with np.errstate(invalid="ignore"):  # nothing known around: inf less inf
+            return np.asarray((known - _least_around(known, around) > limit) & np.isfinite(known))
 
     def _barred(self, walls: Bools, window: tuple[int, int, int, int]) -> Bools:
         """Where such ground covers a leg's lane from side to side, across the course."""
@@ -248,17 +257,15 @@ class Survey:
 
     # lines
 
-    def along(self, s: float, d: float) -> tuple[Array, Array, float]:
-        """Samples of the straight way from the body to a place: cost a metre, distance from the line; and its length."""
+    def along(self, s: float, d: float) -> Array:
+        """Cost a metre at samples of the straight way from the body to a place."""
         length = math.hypot(s, d - self.region.off)
         part = np.arange(1, max(1, math.ceil(length / self.step)) + 1) / max(1, math.ceil(length / self.step))
-        d_along = np.asarray(self.region.off + part * (d - self.region.off))
-        return self.cost[self.at(part * s, d_along)], d_along, length
+        return self.cost[self.at(part * s, self.region.off + part * (d - self.region.off))]
 
-    def straight_is_good(self) -> bool:
-        """The commanded line itself is fit all along, and footholds are not scarce on it."""
-        cost, _, _ = self.along(self.region.length, 0.0)
-        return bool(np.isfinite(cost).all() and cost.mean() <= 1.0 + 0.1 * SCARCE_COST)
+    def straight_is_fit(self) -> bool:
+        """The commanded line itself is fit all along: it is not left only because footholds are scarce on it."""
+        return bool(np.isfinite(self.along(self.region.length, 0.0)).all())
 
     def known_ahead(self, corners: tuple[tuple[float, float], ...]) -> float:
         """How far the body may go by these corners (s, d) before ground it has not seen comes under a leg, m."""
