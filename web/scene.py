@@ -182,9 +182,15 @@ class GroundTiles:
                 self.tiles.pop(name)[1].remove()
             for name, data in fresh.items():
                 self.tiles[name] = (wanted[name].key, self._show(name, data))
-            if self.view is None or view.origin != self.view.origin or view.heights.shape != self.view.heights.shape:
-                self.floor = self.server.scene.add_glb("/world/ground/floor", earth.floor(ground), cast_shadow=False, receive_shadow=False)
+            self._show_floor(ground, view)
         self.view = view
+
+    def _show_floor(self, ground: earth.Ground, view: TerrainView) -> None:
+        """The dark floor under the holes; without holes it would only be painted over."""
+        if self.view is None or view.origin != self.view.origin or view.heights.shape != self.view.heights.shape:
+            self.floor = self.server.scene.add_glb("/world/ground/floor", earth.floor(ground), cast_shadow=False, receive_shadow=False)
+        assert self.floor is not None
+        self.floor.visible = bool(np.isnan(view.heights).any())
 
     def _show(self, name: str, data: bytes) -> viser.GlbHandle:
         if name in self.tiles:
