@@ -45,11 +45,12 @@ SERVED_FIRST = "dem"
 @contextmanager
 def one_clear_line() -> Iterator[None]:
     """Bad input ends in one line on standard error and exit status 2, never in a traceback."""
+    from .figures import FigureError
     from .headless import RunError
 
     try:
         yield
-    except (ScenarioError, MachineError, GroundError, RunError) as error:
+    except (ScenarioError, MachineError, GroundError, RunError, FigureError) as error:
         refuse(str(error))
 
 
@@ -206,6 +207,20 @@ def export(
 
     with one_clear_line():
         print(export_run(directory, to, out))
+
+
+@app.command()
+def figure(
+    name: Annotated[str, typer.Argument(help="fig6a, fig12, fig17-up, omni ...")],
+    out: Annotated[Path, typer.Option(help="File to write: .svg, .png or .pdf.")],
+    run: Annotated[Path | None, typer.Option("--run", help="Run directory to draw; without it the scenario is walked first.")] = None,
+) -> None:
+    """Draw a walk in the manner of the 1986 paper's figures."""
+    from .figures import draw_figure
+
+    with one_clear_line():
+        for line in draw_figure(name, out, run):
+            print(line)
 
 
 @app.command()

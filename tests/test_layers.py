@@ -61,12 +61,18 @@ TABLE = {
     ),
     "server": rule(f"server planner sim web {CARRIERS}"),
     "server.console": rule("server.console planner sim numpy", "web asyncio time viser fastapi"),
+    # Drawings of finished walks: the only place that may want matplotlib.
+    "server.figures": rule("server planner sim numpy matplotlib", "web asyncio time random fastapi"),
     # The one exception: the bridge that serves viser's stream on our own port lets it open no socket, and so has to know it.
     "server.canvas": rule(f"server web viser {CARRIERS}"),
 }
 
 # Libraries that live in one place, so that they can be replaced there.
-ONLY_IN = {"pymunk": {"sim.contact"}, "viser": {"web.scene", "server.canvas"}}
+ONLY_IN = {
+    "pymunk": {"sim.contact"},
+    "viser": {"web.scene", "server.canvas"},
+    "matplotlib": {f"server.figures.{module}" for module in ("ink", "plan", "side", "pages")},  # not what names and walks them
+}
 
 
 def is_under(name: str, roots: frozenset[str]) -> bool:
@@ -203,6 +209,9 @@ WORLD = frozenset(
         ("server.app", "import viser"),
         ("server.app", "import viser.transforms as tf"),
         ("server.app", "import pymunk"),
+        ("server.app", "import matplotlib"),
+        ("server.figures", "import matplotlib"),
+        ("server.figures.plan", "import viser"),
         ("server.console", "import time"),
         ("server.console", "from web.scene import Scene"),
         ("server.console", "from . import app"),
