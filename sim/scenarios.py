@@ -27,7 +27,7 @@ __all__ = [
     "Scenario", "ScenarioError", "list_scenarios", "list_terrains", "load_scenario", "scenario_from", "scenario_names", "with_settings",
 ]  # fmt: skip
 
-DEFAULT_MODE: Literal["paper", "predictive"] = "paper"  # until predictive exists
+DEFAULT_MODE: Literal["paper", "predictive"] = "predictive"
 TIME_LIMIT = 600.0  # s, when [end] names no time
 DURATION_MAX = 3600.0  # s
 CRAB_DUTY_MIN = 0.75  # below it the standard margin is negative (H §4.3 (3))
@@ -194,6 +194,7 @@ class Expect(_Table):
     margin_min: float | None = None  # m
     forbidden_steps_max: int | None = Field(default=None, ge=0)
     emergent_max: int | None = Field(default=None, ge=0)
+    emergent_min: int | None = Field(default=None, ge=0)
     falls_max: int | None = Field(default=None, ge=0)
     time_max: float | None = None  # s
     mean_speed_min: float | None = None  # m/s
