@@ -226,7 +226,8 @@ def _same_ground(a: TerrainView, b: TerrainView) -> bool:
 
 
 class Walker:
-    """Torso, legs and feet."""
+    """Torso, legs and feet. Legs are drawn in body axes under the torso: the page applies poses at once and batches a frame later,
+    and hips a frame behind their torso would be seen, at ×8 above all."""
 
     def __init__(self, server: viser.ViserServer, figure: Figure) -> None:
         self.figure = figure
@@ -234,9 +235,9 @@ class Walker:
         still, nowhere = np.tile([1.0, 0.0, 0.0, 0.0], (2 * count, 1)), np.zeros((2 * count, 3))
         batch: dict[str, Any] = {"lod": "off", "cast_shadow": False, "receive_shadow": False}
         self.torso = scene.add_glb("/world/torso", figure.torso(), cast_shadow=False, receive_shadow=False)
-        self.thighs = scene.add_batched_glb("/world/thighs", figure.thigh_shape(), still[:count], nowhere[:count], **batch)
-        self.shins = scene.add_batched_glb("/world/shins", figure.shin_shape(), still[:count], nowhere[:count], **batch)
-        self.joints = scene.add_batched_glb("/world/joints", figure.joint_shape(), still, nowhere, **batch)
+        self.thighs = scene.add_batched_glb("/world/torso/thighs", figure.thigh_shape(), still[:count], nowhere[:count], **batch)
+        self.shins = scene.add_batched_glb("/world/torso/shins", figure.shin_shape(), still[:count], nowhere[:count], **batch)
+        self.joints = scene.add_batched_glb("/world/torso/joints", figure.joint_shape(), still, nowhere, **batch)
         self.feet = scene.add_batched_meshes_simple("/world/feet", *figure.foot_shape(), still[:count], nowhere[:count], **batch)
         self.colours: Any = None
 
@@ -244,7 +245,7 @@ class Walker:
         """Poses of every part, and the foot colours when one lifts, lands or slips."""
         x, y, z, roll, pitch, yaw = snapshot.body
         origin, turn, feet = np.array((x, y, z)), attitude(roll, pitch, yaw), np.array(snapshot.feet)
-        hips, knees, thighs, shins = self.figure.legs(origin, turn, feet)
+        hips, knees, thighs, shins = self.figure.legs(np.zeros(3), np.eye(3), (feet - origin) @ turn)
         changes: list[Change] = [
             (self.torso, "position", origin), (self.torso, "wxyz", quaternions(turn[None])[0]),
             (self.thighs, "batched_positions", hips), (self.thighs, "batched_wxyzs", thighs),
@@ -258,8 +259,8 @@ class Walker:
         return changes
 
     def remove(self) -> None:
-        for handle in (self.torso, self.thighs, self.shins, self.joints, self.feet):
-            handle.remove()
+        self.torso.remove()  # and the legs under it
+        self.feet.remove()
 
 
 class Overlay:

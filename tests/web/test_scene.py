@@ -89,7 +89,7 @@ def names(scene: Scene) -> set[str]:
 def test_a_standing_machine_is_drawn(scene: Scene, robot: str) -> None:
     snapshot = standing(robot)
     scene.draw(snapshot)
-    assert {"/world/torso", "/world/thighs", "/world/shins", "/world/feet", "/world/ground/0_0", "/world/stability/fill"} <= names(scene)
+    assert {"/world/torso", "/world/torso/thighs", "/world/feet", "/world/ground/0_0", "/world/stability/fill"} <= names(scene)
     walker = scene._walker
     assert walker is not None
     assert walker.feet.batched_positions == pytest.approx(np.array(snapshot.feet))
