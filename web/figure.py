@@ -161,13 +161,15 @@ class Figure:
         return glb(parts)
 
     def _hip(self, hip: Floats, width: float) -> list[Part]:
-        """A bracket between torso and hip joint."""
+        """A hip joint and the bracket that holds it."""
         side = 1.0 if hip[1] > 0 else -1.0
         reach = abs(hip[1]) - width / 2 * 0.86 + 0.06
         g = self.girth
         block = loft([(-1.5 * g, octagon(reach, 1.1 * g, 0.4 * g)), (1.5 * g, octagon(reach, 1.1 * g, 0.4 * g))])
         bracket = _moved(block, (hip[0], hip[1] - side * 0.4 * reach, hip[2]))
-        return [_plain(bracket, colour=STEEL, roughness=0.45)]
+        points, faces, normals = ball(1.08 * g)
+        joint = Part(points + hip, faces, colour=GRAPHITE, roughness=0.38, normals=normals)
+        return [_plain(bracket, colour=STEEL, roughness=0.45), joint]
 
     def thigh_shape(self) -> bytes:
         """A boxy beam from the origin up z, for one thigh."""
@@ -178,15 +180,12 @@ class Figure:
         return glb([_plain(beam, colour=SHELL, roughness=0.45), _plain(band, colour=AMBER, roughness=0.5)])
 
     def shin_shape(self) -> bytes:
-        """A tapering tube with a collar, for one shin."""
+        """A knee, and a tapering tube with a collar from it up z, for one shin."""
         g, span = self.girth, self.shin
         tube = turned([(0.0, 0.60 * g), (0.05 * span, 0.72 * g), (0.40 * span, 0.60 * g), (0.93 * span, 0.34 * g), (span, 0.34 * g)])
         collar = turned([(0.16 * span, 0.70 * g), (0.165 * span, 0.86 * g), (0.30 * span, 0.82 * g), (0.305 * span, 0.60 * g)])
-        return glb([_round(tube, colour=(0.47, 0.50, 0.55), roughness=0.42), _round(collar, colour=SHELL, roughness=0.45)])
-
-    def joint_shape(self) -> bytes:
-        """A ball for hips and knees."""
-        return glb([_round(ball(1.08 * self.girth), colour=GRAPHITE, roughness=0.38)])
+        knee = _round(ball(1.08 * self.girth), colour=GRAPHITE, roughness=0.38)
+        return glb([knee, _round(tube, colour=(0.47, 0.50, 0.55), roughness=0.42), _round(collar, colour=SHELL, roughness=0.45)])
 
     def foot_shape(self) -> tuple[Floats, NDArray[Any]]:
         """A pad standing on its tip, coloured by whether it carries."""

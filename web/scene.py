@@ -226,41 +226,39 @@ def _same_ground(a: TerrainView, b: TerrainView) -> bool:
 
 
 class Walker:
-    """Torso, legs and feet. Legs are drawn in body axes under the torso: the page applies poses at once and batches a frame later,
-    and hips a frame behind their torso would be seen, at ×8 above all."""
+    """Torso, thighs, shins and feet, a node each: the page applies poses at once and all together, instances of a batch a frame
+    later, and a leg a frame behind its torso is seen to come off, at ×8 above all."""
 
     def __init__(self, server: viser.ViserServer, figure: Figure) -> None:
         self.figure = figure
-        scene, count = server.scene, figure.count
-        still, nowhere = np.tile([1.0, 0.0, 0.0, 0.0], (2 * count, 1)), np.zeros((2 * count, 3))
-        batch: dict[str, Any] = {"lod": "off", "cast_shadow": False, "receive_shadow": False}
-        self.torso = scene.add_glb("/world/torso", figure.torso(), cast_shadow=False, receive_shadow=False)
-        self.thighs = scene.add_batched_glb("/world/torso/thighs", figure.thigh_shape(), still[:count], nowhere[:count], **batch)
-        self.shins = scene.add_batched_glb("/world/torso/shins", figure.shin_shape(), still[:count], nowhere[:count], **batch)
-        self.joints = scene.add_batched_glb("/world/torso/joints", figure.joint_shape(), still, nowhere, **batch)
-        self.feet = scene.add_batched_meshes_simple("/world/feet", *figure.foot_shape(), still[:count], nowhere[:count], **batch)
-        self.colours: Any = None
+        scene, legs = server.scene, range(1, figure.count + 1)
+        plain: dict[str, Any] = {"cast_shadow": False, "receive_shadow": False}
+        self.torso = scene.add_glb("/world/torso", figure.torso(), **plain)
+        self.thighs = [scene.add_glb(f"/world/thigh_{leg}", figure.thigh_shape(), **plain) for leg in legs]
+        self.shins = [scene.add_glb(f"/world/shin_{leg}", figure.shin_shape(), **plain) for leg in legs]
+        self.feet = [scene.add_mesh_simple(f"/world/foot_{leg}", *figure.foot_shape(), **plain) for leg in legs]
+        self.colours: list[Any] = [None] * figure.count
 
     def changes(self, snapshot: Snapshot) -> list[Change]:
-        """Poses of every part, and the foot colours when one lifts, lands or slips."""
+        """Poses of every part, and the colour of a foot that lifts, lands or slips."""
         x, y, z, roll, pitch, yaw = snapshot.body
         origin, turn, feet = np.array((x, y, z)), attitude(roll, pitch, yaw), np.array(snapshot.feet)
-        hips, knees, thighs, shins = self.figure.legs(np.zeros(3), np.eye(3), (feet - origin) @ turn)
-        changes: list[Change] = [
-            (self.torso, "position", origin), (self.torso, "wxyz", quaternions(turn[None])[0]),
-            (self.thighs, "batched_positions", hips), (self.thighs, "batched_wxyzs", thighs),
-            (self.shins, "batched_positions", knees), (self.shins, "batched_wxyzs", shins),
-            (self.joints, "batched_positions", np.concatenate([hips, knees])), (self.feet, "batched_positions", feet),
-        ]  # fmt: skip
-        colours = tuple(foot_colour(on, carries) for on, carries in zip(snapshot.contact, snapshot.support, strict=True))
-        if colours != self.colours:
-            self.colours = colours
-            changes.append((self.feet, "batched_colors", np.array(colours, np.uint8)))
+        hips, knees, thighs, shins = self.figure.legs(origin, turn, feet)
+        changes: list[Change] = [(self.torso, "position", origin), (self.torso, "wxyz", quaternions(turn[None])[0])]
+        for parts, places, turns in ((self.thighs, hips, thighs), (self.shins, knees, shins)):
+            for part, place, way in zip(parts, places, turns, strict=True):
+                changes += [(part, "position", place), (part, "wxyz", way)]
+        for leg, (foot, place) in enumerate(zip(self.feet, feet, strict=True)):
+            changes.append((foot, "position", place))
+            colour = foot_colour(snapshot.contact[leg], snapshot.support[leg])
+            if colour != self.colours[leg]:
+                self.colours[leg] = colour
+                changes.append((foot, "color", colour))
         return changes
 
     def remove(self) -> None:
-        self.torso.remove()  # and the legs under it
-        self.feet.remove()
+        for handle in (self.torso, *self.thighs, *self.shins, *self.feet):
+            handle.remove()
 
 
 class Overlay:
@@ -276,7 +274,7 @@ class Overlay:
         cloth = np.zeros((CORNERS * len(PATCH), 3))
         self.fill = scene.add_mesh_simple("/world/stability/fill", cloth, cloth_faces(), color=GREEN, opacity=0.42, **flat)
         self.outline = scene.add_line_segments("/world/stability/outline", **line, thickness=0.014)
-        self.plumb = scene.add_line_segments("/world/stability/plumb", np.zeros((1, 2, 3)), WHITE, thickness=0.008)
+        self.plumb = scene.add_line_segments("/world/stability/plumb", polyline([(0, 0, 0), (0, 0, machine.height)]), WHITE, thickness=0.008)
         self.cog = scene.add_mesh_simple("/world/stability/cog", *disc(0.0, 0.045), color=WHITE, **flat)
         self.course = scene.add_line_segments("/world/course/line", **line, thickness=0.022)
         self.path = scene.add_line_segments("/world/plan/path", np.zeros((1, 2, 3)), AMBER, thickness=0.012)
@@ -310,10 +308,10 @@ class Overlay:
         return changes
 
     def _stability(self, snapshot: Snapshot, ground: GroundTiles) -> list[Change]:
-        x, y, z = snapshot.body[:3]
+        x, y = snapshot.body[:2]
         below = ground.height(x, y, min((foot[2] for foot in snapshot.feet), default=0.0))
-        plumb = np.array([[[x, y, below + LIFT], [x, y, z - 0.5 * self.machine.torso[2]]]])
-        changes: list[Change] = [(self.cog, "position", (x, y, below + LIFT + 0.004)), (self.plumb, "points", plumb)]
+        spot = (x, y, below + LIFT + 0.004)
+        changes: list[Change] = [(self.cog, "position", spot), (self.plumb, "position", spot)]
         carrying = [foot for foot, carries in zip(snapshot.feet, snapshot.support, strict=True) if carries]
         corners = support_polygon(carrying)
         if self._is_new("polygon", tuple((round(a, 3), round(b, 3)) for a, b in corners)):

@@ -89,10 +89,10 @@ def names(scene: Scene) -> set[str]:
 def test_a_standing_machine_is_drawn(scene: Scene, robot: str) -> None:
     snapshot = standing(robot)
     scene.draw(snapshot)
-    assert {"/world/torso", "/world/torso/thighs", "/world/feet", "/world/ground/0_0", "/world/stability/fill"} <= names(scene)
+    assert {"/world/torso", "/world/thigh_1", "/world/foot_4", "/world/ground/0_0", "/world/stability/fill"} <= names(scene)
     walker = scene._walker
     assert walker is not None
-    assert walker.feet.batched_positions == pytest.approx(np.array(snapshot.feet))
+    assert [tuple(foot.position) for foot in walker.feet] == [pytest.approx(foot) for foot in snapshot.feet]
 
 
 def test_walking_makes_no_new_nodes(scene: Scene) -> None:
@@ -110,7 +110,9 @@ def test_another_machine_replaces_the_figure(scene: Scene) -> None:
     scene.draw(standing("titan3"))
     scene.draw(standing("hexapod"))
     assert scene._walker is not None
-    assert len(scene._walker.feet.batched_positions) == 6
+    assert "/world/foot_6" in names(scene)
+    scene.draw(standing("titan3"))
+    assert "/world/foot_6" not in names(scene)
 
 
 def test_an_edited_patch_sends_one_tile(scene: Scene) -> None:
