@@ -16,18 +16,15 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from planner import support
+from planner import brain, support
 from planner.belief import Belief
-from planner.crab import foresee, naive
-from planner.crab.plan import plan_step
 from planner.crab.posture import stance_on
 from planner.crab.route import RouteState, plan_route
-from planner.crab.standard import standard_stance
 from planner.machine import Machine, load_machine
 from planner.reflex import Gains
 from planner.terrain import TerrainMap, classify
 from planner.vocabulary import Blocked, Command, Gait, Mode, Sensing, Stance, StepPlan
-from planner.walk import DT, PlanStep, Think, Thinking, Walk, feet_absolute
+from planner.walk import DT, Think, Thinking, Walk, feet_absolute
 from sim.eye import Eye
 from sim.ground import Ground, make_ground
 from sim.robot import Noise, Plant
@@ -59,34 +56,24 @@ def prepare(scenario: Scenario, machine: Machine | None = None) -> World:
     machine = machine or load_machine(scenario.robot, scenario.base)
     gait = scenario.gait_for(machine)
     start = scenario.start_pose
-    posture = start_stance(scenario, machine, gait, lambda x, y: 0.0)
+    posture = stance_at_start(scenario, machine, gait, lambda x, y: 0.0)
     ground = make_ground(
         scenario.terrain, machine, start, scenario.seed, scenario.span(machine), scenario.base, stand=[foot[:2] for foot in posture.feet]
     )
     forbidden = true_forbidden(ground, machine)
     belief = TerrainMap(ground.heights, forbidden, ground.cell, ground.origin, machine.foot_radius)
-    stance = start_stance(scenario, machine, gait, ground.height_at)
+    stance = stance_at_start(scenario, machine, gait, ground.height_at)
     return World(scenario, machine, gait, ground, belief, forbidden, stance)
 
 
-def start_stance(scenario: Scenario, machine: Machine, gait: Gait, height_at: Callable[[float, float], float]) -> Stance:
-    """The posture a scenario begins in: the standard one of its first course, or its own feet. Raises ``ScenarioError``."""
+def stance_at_start(scenario: Scenario, machine: Machine, gait: Gait, height_at: Callable[[float, float], float]) -> Stance:
+    """The posture a scenario begins in: that of its planner, or its own feet. Raises ``ScenarioError``."""
     if scenario.start.feet is None:
-        return standard_stance(machine, gait, first_crab_angle(scenario), *scenario.start_pose, height_at)
+        return brain.start_stance(scenario.planner, machine, gait, first_crab_angle(scenario), scenario.start_pose, height_at)
     try:
         return stance_on(machine, gait, scenario.start.feet, *scenario.start_pose, height_at)
     except ValueError as error:
         raise ScenarioError(f"start.feet: {error}") from None
-
-
-def _without_pause(step: PlanStep) -> Think:
-    """A planner that answers at once, as one that could have paused."""
-
-    def think(stance: Stance, command: Command, terrain: TerrainMap) -> Thinking:
-        return step(stance, command, terrain)
-        yield
-
-    return think
 
 
 def first_crab_angle(scenario: Scenario) -> float:
@@ -163,12 +150,10 @@ class Console:
 
     def _thinker(self, world: World) -> Think:
         scenario = world.scenario
-        machine, gait, explain = world.machine, world.gait, self.explain
-        if scenario.mode == "predictive":
-            think: Think = partial(foresee.think, machine=machine, gait=gait, explain=explain)
-        else:
-            rule = naive.plan_step if scenario.mode == "naive" else plan_step
-            think = _without_pause(partial(rule, machine=machine, gait=gait, explain=explain))
+        if scenario.planner == "trace":
+            trace = None if scenario.trace is None else scenario.trace.model_dump()
+            return brain.trace_brain(world.machine, world.gait, trace, scenario.start_pose, scenario.gait.rigid, explain=self.explain)
+        think = brain.crab_brain(scenario.mode, world.machine, world.gait, explain=self.explain)
         if not scenario.detours or scenario.mode == "naive":
             return think
         return partial(self._along_a_route, think)
@@ -215,7 +200,10 @@ class Console:
         self._believe(self.memory.publish())
 
     def _perceive(self, memory: Belief, sensing: Sensing) -> None:
-        """What the feet touch and the eye sees goes into the memory; planning gets a new map at step switches and at rest."""
+        """What the feet touch and the eye sees goes into the memory; planning gets a new map at step switches and at rest.
+
+        Never in the middle of a thought from standing: it would begin anew at every look.
+        """
         eye, walk = self.eye, self.walk
         looks = eye is not None and self.tick_count % eye.settings.every == 0
         if eye is not None and looks:
@@ -226,7 +214,7 @@ class Console:
             memory.touch(standing)
             if standing:
                 memory.suppose(standing)
-        elif not (looks and walk.kind == "stand"):
+        elif not (looks and walk.kind == "stand" and (walk.blocked is not None or self.command.holds)):
             return
         believed = memory.publish()
         if believed is not self.belief:

@@ -31,7 +31,9 @@ class RunError(ValueError):
 
 
 def timeline(scenario: Scenario) -> list[tuple[int, Command]]:
-    """The drive entries as (tick, command), in order; with none, hold."""
+    """The drive entries as (tick, command), in order; a given trace is one command at its speed; with neither, hold."""
+    if scenario.trace is not None:
+        return [(0, Command(0.0, scenario.trace.speed))]
     return [(round(entry.t / DT), entry.command()) for entry in scenario.drive]
 
 

@@ -78,7 +78,8 @@ class Recorder:
 
     def _note_step(self, plan: StepPlan) -> None:
         console = self.console
-        for leg in plan.swing:
+        landed = [leg for leg in plan.swing if leg not in plan.end.lifted]
+        for leg in landed:
             x, y, _ = plan.end.feet[leg]
             cell = console.belief.cell_at(x, y)
             if cell is None or console.true_forbidden[cell]:
@@ -93,7 +94,7 @@ class Recorder:
             "s0": plan.standard_margin,
             "crab_angle": plan.crab_angle,
             "search_start": None if plan.search_start is None else list(plan.search_start),
-            "landing": list(plan.end.feet[plan.swing[0]]) if plan.swing else None,
+            "landing": list(plan.end.feet[landed[0]]) if landed else None,
             "planned_landing": None if plan.landing is None else list(plan.landing),
             "planned_margin_min": plan.margin_min,
             "speed": plan.speed,
@@ -101,7 +102,7 @@ class Recorder:
             "off_standard": self._off_standard(plan),
         }
         if len(plan.swing) > 1:
-            record["landings"] = [list(plan.end.feet[leg]) for leg in plan.swing]
+            record["landings"] = [list(plan.end.feet[leg]) for leg in landed]
         if plan.decision is not None:
             record["decision"] = plan.decision
         self.steps.append(record)

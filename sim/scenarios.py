@@ -52,6 +52,7 @@ class GaitChange(_Table):
     lift_down: float | None = Field(default=None, gt=0.0, le=2.0)  # m, h_dwn
     height: float | None = Field(default=None, gt=0.0, le=5.0)  # m, H
     smooth: bool = True  # eased swing phases; false: constant velocity between knots
+    rigid: Literal["tripod", "ripple", "wave", "gallop"] | None = None  # trace planner: this gait and no other
 
 
 class Start(_Table):

@@ -19,7 +19,7 @@ from ..course import Sampled
 from ..machine import Machine
 from ..terrain import TerrainMap
 from ..vocabulary import Array, Blocked, Command, Gait, Point, Stance, StepPlan
-from .curve import STEP, joystick_trace
+from .curve import joystick_trace, step_for
 from .footholds import AIR, Field, Lane, thinning
 from .gait import RigidGait
 from .schedule import Move, moves_along, step_plan
@@ -30,11 +30,11 @@ BODY_LENGTHS = 2.0  # how far ahead the global prediction looks, K
 RENEW = 1.0  # body lengths left ahead when it is made anew
 BACK = 0.5  # body lengths behind the machine it may go back to leave a blind alley
 JOIN = 0.3  # body lengths over which a body beside its trace comes back to it
-SWAY = 0.10  # m the body may leave the trace sideways, only where on it there is no way
-SWAY_TURNING = 0.04  # m the same while turning on the spot
+SWAY = 1 / 16  # body lengths the body may leave the trace sideways, only where on it there is no way: 0.10 m for a body of 1.6 m
+SWAY_TURNING = 0.04  # m at most while turning on the spot
 SWAYS = (0.0, 0.5, -0.5, 1.0, -1.0)  # rows of the wide search, in parts of SWAY; the trace itself first
-LIMIT = 400  # states looked at on the trace itself
-LIMIT_WIDE = 4000  # states looked at with sway
+LIMIT = 6_000  # states met on the trace itself; more finds little that sway does not find sooner
+LIMIT_WIDE = 40_000  # states met with sway, some two seconds of thinking: less blocks on ground that can be crossed
 SAME = 1e-3  # m; a foot this near to where the prediction has it is there
 ARRIVED = "the trace ends here"
 
@@ -52,7 +52,7 @@ class Prediction:
     goal: float  # s the prediction was made for, m
     complete: bool  # the goal was reached
     reason: str  # why not
-    looked: int  # states looked at
+    looked: int  # states met
     given: bool  # the trace was given, not the joystick's
     last: bool = False  # the goal is the end of the trace
 
@@ -78,7 +78,7 @@ class TraceWalk:
         self.prediction: Prediction | None = None
         self.explain = False
 
-    def __call__(self, stance: Stance, command: Command, terrain: TerrainMap) -> Generator[None, None, StepPlan | Blocked]:
+    def __call__(self, stance: Stance, command: Command, terrain: TerrainMap) -> Generator[None, bool | None, StepPlan | Blocked]:
         """Think about the step from ``stance``: a few states a slice, never a whole prediction in one tick."""
         known = self.prediction
         if known is None or not serves(known, stance, command, terrain, self.machine, self.trace):
@@ -182,7 +182,7 @@ def _decision(prediction: Prediction, n: int | None) -> dict[str, Any]:
     """Why: the existence segments of this state and the ones to come, what the horizon is, how much was looked at."""
     ahead = prediction.moves[n or 0 :]
     return {
-        "states_looked_at": prediction.looked,
+        "states_met": prediction.looked,
         "reached_m": prediction.reached,
         "goal_m": prediction.goal,
         "complete": prediction.complete,
@@ -207,7 +207,7 @@ def predicting(
 ) -> Generator[None, None, Prediction]:  # fmt: skip
     """Predict from ``stance``: on the trace by K's order and by search, then with sway; the best of these, and of ``older``."""
     given = trace is not None
-    step = min(STEP, machine.torso[0] / 100)
+    step = step_for(machine)
     ahead = round(BODY_LENGTHS * machine.torso[0] / step)
     if trace is None:
         x, y, _, yaw = stance.body
@@ -225,11 +225,14 @@ def predicting(
     goal = last - first
     path, looked = Path((), False, now - first, 0, False), 0
     moves: tuple[Move, ...] = ()
-    for sway, count in ((0.0, limit), (SWAY, limit_wide)):
+    for sway, count in ((0.0, limit), (SWAY * machine.torso[0], limit_wide)):
         if rigid is not None and sway:
             break
         lane = lane_along(drawn, first, last, now, stance, terrain, machine, gait, sway)
         field = Field(lane, terrain, machine, thin=thinning(lane, terrain, machine))
+        for leg in range(len(machine.legs)):
+            yield
+            field.find(leg)
         yield
         start = State(_standing(field, stance, now - first), now - first)
         if not field.valid(start.feet) >> start.at & 1:
@@ -240,7 +243,8 @@ def predicting(
             found = yield from search_rigid(field, start, goal, limit_wide, _from_next(rigid, stance.last_swing))
         looked += found.looked
         if found.farthest > path.farthest or not moves:
-            path, moves = found, moves_along(field, found, offset, step, *(() if rigid is None else (1,)))
+            path = found if found.complete else found.to_standing()
+            moves = moves_along(field, path, offset, step, *(() if rigid is None else (1,)))
         if found.complete:
             break
         yield
@@ -291,7 +295,7 @@ def lane_along(
     z = z + fade * (bz - z[now - first])
     if sway == 0.0:
         return Lane(x[None, :], y[None, :], yaw, z)
-    width = sway if bool(moving.mean() > 0.5) else SWAY_TURNING
+    width = sway if bool(moving.mean() > 0.5) else min(sway, SWAY_TURNING)
     beside = fade * (off_x * nx + off_y * ny)
     rows = [np.clip(beside + part_ * width, -width, width) - beside if part_ else np.zeros_like(x) for part_ in SWAYS]
     return Lane(np.stack([x + row * nx for row in rows]), np.stack([y + row * ny for row in rows]), yaw, z)

@@ -1,0 +1,95 @@
+"""Which brain walks: a planner picked by name, and the posture it begins in."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+from .crab import foresee, naive
+from .crab.plan import plan_step
+from .crab.standard import standard_stance
+from .machine import Machine
+from .terrain import TerrainMap
+from .trace.curve import TraceError, trace_for
+from .trace.gait import rigid_gait
+from .trace.plan import TraceWalk
+from .vocabulary import Command, Gait, Point, Stance
+from .walk import PlanStep, Think, Thinking
+
+Pose = tuple[float, float, float]  # x, y, yaw
+HeightAt = Callable[[float, float], float]
+
+
+class BrainError(ValueError):
+    """A choice of planner, mode or trace that cannot be; the message is one clear line."""
+
+
+def crab_brain(mode: str, machine: Machine, gait: Gait, *, explain: bool = False) -> Think:
+    """Hirose's planner: ``predictive``, ``paper``, or ``naive`` to show what the paper warns of."""
+    if mode not in CRAB_MODES:
+        raise BrainError(f"unknown crab mode {mode!r}; there are: {', '.join(CRAB_MODES)}")
+    return CRAB_MODES[mode](machine, gait, explain)
+
+
+def trace_brain(
+    machine: Machine, gait: Gait, trace: Mapping[str, Any] | None, start: Pose, rigid: str | None = None, *, explain: bool = False
+) -> Think:
+    """Kugushev and Jaroshevskij's planner, along a given trace or, with none, wherever the joystick leads."""
+    try:
+        course = None if trace is None else trace_for(trace, machine, start)
+        walk = TraceWalk(machine, gait, course, None if rigid is None else rigid_gait(rigid))
+    except (TraceError, ValueError) as error:
+        raise BrainError(str(error)) from None
+    walk.explain = explain
+    return walk
+
+
+def square_stance(machine: Machine, gait: Gait, pose: Pose, height_at: HeightAt) -> Stance:
+    """Every foot in the middle of its reach: the posture a trace walk begins in."""
+    x, y, yaw = pose
+    c, s = math.cos(yaw), math.sin(yaw)
+    feet: list[Point] = []
+    for leg in machine.legs:
+        bx, by = leg.centre
+        fx, fy = x + c * bx - s * by, y + s * bx + c * by
+        feet.append((fx, fy, height_at(fx, fy)))
+    level = [z for _, _, z in feet if z == z] or [0.0]
+    return Stance((x, y, sum(level) / len(level) + gait.height, yaw), tuple(feet))
+
+
+def start_stance(planner: str, machine: Machine, gait: Gait, crab_angle: float, pose: Pose, height_at: HeightAt) -> Stance:
+    """The posture a walk begins in: standard for the crab planner (gait-dependent, H §4.3), square for the trace planner."""
+    if planner == "crab":
+        return standard_stance(machine, gait, crab_angle, *pose, height_at)
+    return square_stance(machine, gait, pose, height_at)
+
+
+def _foreseeing(machine: Machine, gait: Gait, explain: bool) -> Think:
+    return partial(foresee.think, machine=machine, gait=gait, explain=explain)
+
+
+def _as_printed(machine: Machine, gait: Gait, explain: bool) -> Think:
+    return _without_pause(partial(plan_step, machine=machine, gait=gait, explain=explain))
+
+
+def _naively(machine: Machine, gait: Gait, explain: bool) -> Think:
+    return _without_pause(partial(naive.plan_step, machine=machine, gait=gait, explain=explain))
+
+
+def _without_pause(step: PlanStep) -> Think:
+    """A planner that answers at once, as one that could have paused."""
+
+    def think(stance: Stance, command: Command, terrain: TerrainMap) -> Thinking:
+        return step(stance, command, terrain)
+        yield
+
+    return think
+
+
+CRAB_MODES: dict[str, Callable[[Machine, Gait, bool], Think]] = {
+    "predictive": _foreseeing,
+    "paper": _as_printed,
+    "naive": _naively,
+}
