@@ -33,6 +33,7 @@ ON_LINE = 0.02  # m; nearer than this the command is walked as it came
 REACHED = 0.12  # m; a corner this near is passed in the next step
 BEND, BEND_PER_RAD = 0.1, 0.2  # m; more and the way round has fewer corners and longer sides
 OFF_LINE = 0.3  # m per m²; less and it strays, more and it cuts corners steeply
+NOT_BACK = 0.5  # m; less and a small offset from the line is kept for ever rather than paid for with two bends
 WORTH = 0.05  # m; a corner is left out when the straight way costs no more than this
 NEAR_CRITICAL, NEAR_CRITICAL_COST = math.radians(4.0), 1.5  # the margin vanishes at α_c
 SHIFTS = (0, 1, -1, 2, -2, 4, -4)  # places a way may shift from layer to layer: 0, 22, 39 and 58 degrees
@@ -186,7 +187,7 @@ class Ways:
         last, places = self.region.layers - 1, self.region.places
         sides = self._sides()
         self.cost = np.empty((last + 1, places, _INTO.size))
-        self.cost[last] = np.abs(self.across)[:, None]
+        self.cost[last] = np.where(np.abs(self.across) < 1e-9, 0.0, NOT_BACK + np.abs(self.across))[:, None]
         self.choice = np.full((last, places, _INTO.size), STOP, dtype=np.intp)
         for layer in range(last - 1, -1, -1):
             onward = np.full((places, len(SHIFTS)), np.inf)

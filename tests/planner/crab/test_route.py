@@ -242,6 +242,17 @@ def test_pushed_off_the_line_it_comes_back_and_then_leaves_the_command_alone(off
     assert abs(y) <= ON_LINE and steered is command
 
 
+@pytest.mark.parametrize("off", [0.08, -0.2])
+def test_among_scattered_holes_a_small_offset_is_not_kept_for_ever(off):
+    terrain = map_of(np.where(np.random.default_rng(1).random((SIZE, SIZE)) < 0.2, np.nan, 0.0))
+    _, state, _ = plan_route(RouteState(), AHEAD, stance_at(), terrain, MACHINE)
+    x, y = 0.2, off
+    for _ in range(35):
+        steered, state, _ = plan_route(state, AHEAD, stance_at(x, y), terrain, MACHINE)
+        x, y = x + STRIDE * math.cos(steered.crab_angle), y + STRIDE * math.sin(steered.crab_angle)
+    assert abs(y) <= ON_LINE and steered is AHEAD
+
+
 def test_a_torso_that_has_turned_keeps_the_line():
     terrain, command = map_of(level()), Command(0.2, 0.08)
     _, state, _ = plan_route(RouteState(), command, stance_at(), terrain, MACHINE)
