@@ -266,14 +266,24 @@ def block(title: str, walks: Mapping[str, Walk]) -> Figure:
     """From above with what touch has put on the map, from the side with the searching feet (H fig. 19)."""
     walk = walks["walk"]
     emergent = ", ".join(f"{kind} {number}" for kind, number in walk.summary["emergent"].items()) or "none"
-    page = sheet(10.0, 9.4, title, f"{told(walk)}, {walk.log['command'][0, 1] * 1000:.0f} mm/s; emergent motions: {emergent}")
-    rows = page.add_gridspec(2, 1, left=0.065, right=0.985, top=0.93, bottom=0.06, height_ratios=[2.2, 1.0], hspace=0.08)
+    note = f"{told(walk)}, {walk.log['command'][0, 1] * 1000:.0f} mm/s; emergent motions: {emergent}; red: what touch has put on the map"
+    page = sheet(10.0, 9.6, title, note)
+    rows = page.add_gridspec(2, 1, left=0.065, right=0.985, top=0.935, bottom=0.055, height_ratios=[2.0, 1.0], hspace=0.06)
     ax = page.add_subplot(rows[0])
     shown = course_view(ax, walk, bodies=(0, len(walk.steps)), believed=True)
     relief(ax, walk, shown)
     scale_bar(ax, shown[0] + 0.05, shown[2] + 0.05)
-    direction = travel(walk)
-    side_view(page.add_subplot(rows[1]), walk, direction, bodies=(0, len(walk.steps)))
+    terrain = walk.summary["scenario"]["terrain"]
+    near, far = terrain["at"] - 0.7, terrain["at"] + terrain["length"] + 0.7
+    side = page.add_subplot(rows[1])
+    square = math.radians(terrain["angle_deg"])
+    section(side, walk, square, near, far, beside=terrain["aside"])
+    foot_paths(side, walk, square, (terrain["aside"] - terrain["width"] / 2, terrain["aside"] + terrain["width"] / 2))
+    side.set_aspect("equal")
+    side.set_xlim(near, far)
+    side.set_ylim(-0.1, terrain["height"] + 0.32)
+    side.set_xlabel("the toes from the side, square to the block, m")
+    side.set_ylabel("height, m")
     leg_key(page)
     return page
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -27,6 +26,12 @@ def along(walk: Walk, points: Array, direction: float) -> Array:
     return np.asarray((points[..., 0] - x) * math.cos(direction) + (points[..., 1] - y) * math.sin(direction))
 
 
+def across(walk: Walk, points: Array, direction: float) -> Array:
+    """How far points (..., 2) lie to the left of the line through the start along an absolute direction, m."""
+    x, y = walk.body[0, :2]
+    return np.asarray((points[..., 1] - y) * math.cos(direction) - (points[..., 0] - x) * math.sin(direction))
+
+
 def section(ax: Axes, walk: Walk, direction: float, low: float, high: float, beside: float = 0.0) -> None:
     """The ground under the line through the start, ``beside`` it to the left, filled downwards; holes are gaps."""
     x, y = walk.body[0, :2]
@@ -38,16 +43,21 @@ def section(ax: Axes, walk: Walk, direction: float, low: float, high: float, bes
     ax.plot(way, heights, color=INK, lw=0.9, drawstyle="steps-mid", zorder=1.1)
 
 
-def foot_paths(ax: Axes, walk: Walk, direction: float, legs: Sequence[int] = (0, 1, 2, 3)) -> None:
-    """The paths of the foot tips, as the lamps of H fig. 17 drew them; legs on the far side are paler."""
-    for leg in legs:
-        feet = walk.log["feet"][:, leg]
+def foot_paths(ax: Axes, walk: Walk, direction: float, strip: tuple[float, float] = (-math.inf, math.inf)) -> None:
+    """The paths of the foot tips, as the lamps of H fig. 17 drew them; legs on the far side are paler.
+
+    Only what lies in a strip along the direction: least and most to its left, m.
+    """
+    inside = across(walk, walk.log["feet"][..., :2], direction)
+    shown = np.where(((strip[0] < inside) & (inside < strip[1]))[..., None], walk.log["feet"], np.nan)
+    for leg in range(shown.shape[1]):
+        feet = shown[:, leg]
         ax.plot(
             along(walk, feet[:, :2], direction), feet[:, 2], color=LEGS[leg], zorder=3,
             lw=1.0 if leg in NEAR_SIDE else 0.7, alpha=1.0 if leg in NEAR_SIDE else 0.55,
         )  # fmt: skip
         for row in [walk.row(k) for k, step in enumerate(walk.steps, 1) if leg + 1 in step["swing"]]:
-            spot = walk.log["feet"][row, leg]
+            spot = shown[row, leg]
             ax.plot([along(walk, spot[:2], direction)], [spot[2]], "o", ms=2.6, color=LEGS[leg], zorder=3.5)
 
 
