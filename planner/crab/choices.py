@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from copy import copy
 from typing import NamedTuple
 
 from ..course import Box, line_exit
@@ -19,6 +20,7 @@ from .xy import Accepts, Shift, Step, after, changes_nothing, exits_of, leg_orde
 SMALL = 0.003  # m, the least margin that is asked for; at 0 a millimetre of servo error is outside
 SPACING = 0.05  # m between footholds tried; finer maps are read in blocks of this size
 WIDE_MAX = 16  # footholds of one leg and shift that are tried when anything goes
+LEAST = 0.002  # m; a step with less margin is taken only where there is no other: the CoG would balance on an edge
 INSET = 0.005  # m inside a triangle's edges: where a sway ends
 
 
@@ -45,6 +47,13 @@ class Field:
         self.ground: Ground = ground_of(terrain)
         self.here = Ahead(standard, posture, stance, terrain, machine, gait)
         self.start = State(posture, None if self.here.is_level else stance)
+        self.least = min(LEAST, standard.margin)  # m, the margin every step considered must have
+
+    def daring(self) -> Field:
+        """The same with steps on the very edge."""
+        other = copy(self)
+        other.least = 0.0
+        return other
 
     def ahead(self, state: State) -> Ahead | None:
         """Heights around a state; None where there are none to mind."""
@@ -90,11 +99,11 @@ def near_steps(field: Field, state: State, margins: tuple[float, ...], per_shift
             continue
         tried: set[Shift] = set()
         for margin in margins:
-            shift = shift_of(standard, posture, exits, leg, margin)
-            if isinstance(shift, str) or shift in tried:
+            trimmed = within_margin(field.least, shift_of(standard, posture, exits, leg, margin))
+            if trimmed is None or trimmed in tried:
                 continue
-            tried.add(shift)
-            yield from _first_footholds(field, posture, exits, shift, per_shift, accepts)
+            tried.add(trimmed)
+            yield from _first_footholds(field, posture, exits, trimmed, per_shift, accepts)
 
 
 def _first_footholds(
@@ -111,6 +120,16 @@ def _first_footholds(
                 return
 
 
+def within_margin(least: float, shift: Shift | str) -> Shift | None:
+    """The shift, ended early enough to keep the ``least`` margin; None when it begins with less."""
+    if isinstance(shift, str):
+        return None
+    leg, g0, g, low, high = shift
+    if g0 - low < least - 1e-9 or high - g0 < least - 1e-9:
+        return None
+    return shift if high - g >= least else Shift(leg, g0, max(g0, high - least), low, high)
+
+
 def wide_steps(field: Field, state: State, short: bool = True) -> Iterator[Step]:
     """Any leg but the last, any foothold in its reach, g0 as far as the triangle needs; g in full, by half and not at all.
 
@@ -122,7 +141,7 @@ def wide_steps(field: Field, state: State, short: bool = True) -> Iterator[Step]
     for leg in range(4):
         if leg == posture.last:
             continue
-        for shift in wide_shifts(standard, posture, exits, leg, short):
+        for shift in wide_shifts(field, posture, exits, leg, short):
             margin = planned_margin(standard, posture, shift)
             landings = [p for p in footholds(field, posture, leg, shift.g) if accepts is None or accepts(shift, p) is None]
             for landing in thinned(landings, WIDE_MAX):
@@ -131,10 +150,10 @@ def wide_steps(field: Field, state: State, short: bool = True) -> Iterator[Step]
                     yield step
 
 
-def wide_shifts(standard: Standard, posture: Posture, exits: tuple[float, float, float, float], leg: int, short: bool) -> list[Shift]:
+def wide_shifts(field: Field, posture: Posture, exits: tuple[float, float, float, float], leg: int, short: bool) -> list[Shift]:
     """As (14) for any leg, with the smallest margin: on four legs into the triangle, then on as far as it goes, half, or not."""
     i, j, k = OTHERS[leg]
-    feet = posture.feet
+    standard, feet = field.standard, posture.feet
     low, high = stable_interval(support_polygon((feet[i], feet[j], feet[k])), 0.0, 0.0, standard.ux, standard.uy)
     if low > high or high < 0.0:
         return []
@@ -146,7 +165,8 @@ def wide_shifts(standard: Standard, posture: Posture, exits: tuple[float, float,
     g0 = min(max(0.0, low + margin), g0_max)
     g = max(g0, min(g_max, high - margin))
     ways = (g, (g0 + g) / 2, g0) if short and g > g0 + 0.02 else (g,)
-    return [Shift(leg, g0, way, low, high) for way in ways]
+    shifts = (within_margin(field.least, Shift(leg, g0, way, low, high)) for way in ways)
+    return [shift for shift in shifts if shift is not None]
 
 
 def footholds(field: Field, posture: Posture, leg: int, g: float) -> Iterator[Landing]:

@@ -68,6 +68,8 @@ def choose(field: Field, paper: Step | None) -> Generator[None, bool | None, Cho
     if not near.finished or near.pace >= enough:
         return near
     wide = choice_of("wide", (yield from _wide(field)), LOOK + 2)
+    if max(wide.pace, near.pace) < STUCK * standard_way(field.standard):
+        wide = choice_of("wide", (yield from _wide(field.daring())), LOOK + 2)
     best, other = (wide, near) if wide.ways and (wide.pace > near.pace or not near.ways) else (near, wide)
     return Choice(best.search, [*best.ways, *other.ways], best.horizon)
 
