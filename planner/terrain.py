@@ -8,7 +8,7 @@ walker learns makes a new one (``forbid``).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from enum import IntFlag
 from functools import cached_property
@@ -276,6 +276,22 @@ def classify(heights: NDArray[np.float64], cell: float, machine: Machine) -> NDA
     steep = np.hypot(slope_x, slope_y) > math.tan(SLOPE_MAX)
     tall = filled - _mean_around(heights, max(1, round(RISE_WINDOW / cell / 2))) > RISE_MAX
     return np.asarray(holes | rough | steep | tall, dtype=bool)
+
+
+def classify_again(
+    heights: NDArray[np.float64], forbidden: NDArray[np.bool_], cell: float, machine: Machine, cells: Sequence[tuple[int, int]]
+) -> NDArray[np.bool_]:
+    """``forbidden`` brought up to date after the heights of some (row, column) cells have changed: only their surroundings are read."""
+    near = max(_foot_cells(machine, cell) + 1, round(RISE_WINDOW / cell / 2) + 1)
+    rows, columns = [row for row, _ in cells], [column for _, column in cells]
+    r0, r1 = max(0, min(rows) - near), max(rows) + near + 1
+    c0, c1 = max(0, min(columns) - near), max(columns) + near + 1
+    top, left = max(0, r0 - near), max(0, c0 - near)
+    patch = classify(heights[top : r1 + near, left : c1 + near], cell, machine)
+    again = forbidden.copy()
+    inner = again[r0:r1, c0:c1]
+    inner[:] = patch[r0 - top : r0 - top + inner.shape[0], c0 - left : c0 - left + inner.shape[1]]
+    return again
 
 
 def _foot_cells(machine: Machine, cell: float) -> int:

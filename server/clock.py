@@ -252,8 +252,7 @@ class WalkingClock:
 
     def _serve_while_paused(self) -> None:
         """A reset or an edit shows at once, though no tick runs."""
-        while self.console.inbox:
-            self.console._serve(self.console.inbox.popleft())
+        self.console.drain()
 
     def _publish_due(self, ticks: int) -> bool:
         due = ticks > 0 or self._changed or self.beats % IDLE_BEATS == 0

@@ -22,16 +22,17 @@ from planner.crab.posture import stance_on
 from planner.crab.route import RouteState, plan_route
 from planner.machine import Machine, load_machine
 from planner.reflex import Gains
-from planner.terrain import TerrainMap, classify
-from planner.vocabulary import Blocked, Command, Gait, Mode, Sensing, Stance, StepPlan
+from planner.terrain import TerrainMap, classify, classify_again
+from planner.vocabulary import Blocked, Command, Gait, Mode, Sensing, Stance, StepPlan, TraceAhead
 from planner.walk import DT, Think, Thinking, Walk, feet_absolute
 from sim.eye import Eye
-from sim.ground import Ground, make_ground
+from sim.ground import HEIGHT_MAX, Ground, make_ground
 from sim.robot import Noise, Plant
 from sim.scenarios import Scenario, ScenarioError
 from sim.snapshot import Snapshot, TerrainView
 
 HOLD = Command()
+EDITS = ("dig", "raise", "forbid", "clear")
 EDIT_CELLS_MAX = 40_000  # cells one terrain edit may change
 COURSES_MAX = 3  # courses Level B1 may offer for one step before the walk is called blocked
 LOOK_ROUND = (0.0, 2 * math.pi / 3, -2 * math.pi / 3)  # rad; before it sets out the eye has looked everywhere
@@ -125,6 +126,7 @@ class Console:
     def __init__(self, world: World, *, explain: bool = False) -> None:
         self.explain = explain
         self.inbox: deque[Request] = deque()
+        self.refused = ""  # why the last refused request was refused
         self.revision = 0
         self._mailbox: tuple[Command, int | None] = (HOLD, None)
         self.on_input: Callable[[int, object], None] | None = None
@@ -135,6 +137,7 @@ class Console:
         self.ground = world.ground
         self.belief = world.belief
         self.true_forbidden = world.forbidden
+        self.marked = np.zeros_like(world.forbidden)  # cells an operator has forbidden, whatever their height
         wanted = world.scenario.noise
         noise = None if wanted is None else Noise(wanted.position, wanted.posture)
         self.plant = Plant(world.machine, world.ground, world.stance, noise=noise, rng=np.random.default_rng(world.scenario.seed))
@@ -146,6 +149,7 @@ class Console:
         self.distance = 0.0
         self.revision += 1
         self._drawn_terrain: TerrainView | None = None
+        self._foreseen: tuple[tuple[object, ...], TraceAhead | None] = ((), None)
         self._begin_to_know(world)
 
     def _thinker(self, world: World) -> Think:
@@ -232,10 +236,17 @@ class Console:
 
     # the world moves
 
+    def drain(self) -> None:
+        """Serve what was requested. An edit that no longer fits the ground (another world came first) is dropped whole, and said."""
+        while self.inbox:
+            try:
+                self._serve(self.inbox.popleft())
+            except ValueError as refusal:
+                self.refused = str(refusal)
+
     def tick(self) -> None:
         """20 ms of the world: requests, command, Level B and C, plant."""
-        while self.inbox:
-            self._serve(self.inbox.popleft())
+        self.drain()
         command, expires = self._mailbox
         if expires is not None and self.tick_count >= expires:
             command = HOLD
@@ -276,6 +287,8 @@ class Console:
         self.distance += dx * math.cos(heading) + dy * math.sin(heading)
 
     def _serve(self, request: Request) -> None:
+        if isinstance(request, Edit):
+            self._edit(request)  # raises before anything has changed
         if self.on_input is not None:
             self.on_input(self.tick_count, request)
         if isinstance(request, Reset):
@@ -284,19 +297,28 @@ class Console:
             self._set_up(request.world)
         elif isinstance(request, Push):
             self.plant.push(request.fx, request.fy, request.ticks)
-        else:
-            self._edit(request)
 
     def _edit(self, edit: Edit) -> None:
-        heights, forbidden = edited(self.ground.heights, self.true_forbidden, edit)
+        heights = edited(self.ground.heights, edit)
+        rows, columns = (np.array([cell[axis] for cell in edit.cells], dtype=np.intp) for axis in (0, 1))
+        if edit.action in ("forbid", "clear"):
+            self.marked = self.marked.copy()
+            self.marked[rows, columns] = edit.action == "forbid"
         self.ground = replace(self.ground, heights=heights)
-        self.true_forbidden = forbidden
+        if self.ground.final:
+            forbidden = np.isnan(heights)
+        elif edit.cells:
+            forbidden = classify_again(heights, self.true_forbidden, self.ground.cell, self.world.machine, edit.cells)
+        else:
+            forbidden = self.true_forbidden
+        self.true_forbidden = forbidden | self.marked
         self.plant.replace_ground(self.ground)
         if self.memory is not None:
             self._hear_of(edit, self.memory)
             return
-        known = self.belief.forbidden & ~self.world.forbidden if edit.action != "clear" else np.zeros_like(forbidden)
-        self._believe(replace(self.belief, heights=heights, forbidden=forbidden | known))
+        known = self.belief.forbidden & ~self.world.forbidden
+        known[rows, columns] = False
+        self._believe(replace(self.belief, heights=heights, forbidden=self.true_forbidden | known))
 
     def _hear_of(self, edit: Edit, memory: Belief) -> None:
         """The world has changed behind its back; only what is forbidden or cleared is told to it."""
@@ -351,6 +373,14 @@ class Console:
             self._drawn_terrain = TerrainView(self.revision, self.ground.heights, belief.forbidden, belief.cell, belief.origin)
         return self._drawn_terrain
 
+    def _ahead(self, running: StepPlan | None) -> TraceAhead | None:
+        """What a trace walker foresees; worked out again only when it foresees something else."""
+        walk = self.walk
+        key = (getattr(walk.think, "prediction", None), walk.stance, running)
+        if len(key) != len(self._foreseen[0]) or any(a is not b for a, b in zip(key, self._foreseen[0], strict=True)):
+            self._foreseen = key, brain.foreseen(walk.think, walk.stance, running)
+        return self._foreseen[1]
+
     def snapshot(self, *, paused: bool = False, rate: float = 1.0, late: float = 0.0) -> Snapshot:
         """The world at this instant; ``paused``, ``rate`` and ``late`` are the clock's to say."""
         plant, walk, world = self.plant, self.walk, self.world
@@ -360,6 +390,7 @@ class Console:
         x, y, z, roll, pitch, yaw = plant.body
         standing = [foot for foot, carries in zip(feet, carrying, strict=True) if carries]
         stepping = walk.kind == "step"
+        running = walk.plan if stepping else None
         return Snapshot(
             tick=self.tick_count,
             time=self.tick_count * DT,
@@ -390,6 +421,9 @@ class Console:
             paused=paused,
             rate=rate,
             late=late,
+            course=brain.course_of(walk.think, walk.stance, running, (x, y, z, yaw), world.machine.yaw_length),
+            ahead=self._ahead(running),
+            decision=walk.blocked.decision if walk.blocked is not None else walk.plan.decision if walk.kind != "stand" else None,
         )
 
 
@@ -401,28 +435,24 @@ def disc(ground: Ground, x: float, y: float, radius: float) -> tuple[NDArray[np.
     return rows, columns, ground.heights[rows, columns]
 
 
-def edited(
-    heights: NDArray[np.float64], forbidden: NDArray[np.bool_], edit: Edit
-) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Heights and forbidden layer after an edit; raises ``ValueError`` before anything has changed."""
+def edited(heights: NDArray[np.float64], edit: Edit) -> NDArray[np.float64]:
+    """Heights after an edit; raises ``ValueError`` before anything has changed."""
+    if edit.action not in EDITS:
+        raise ValueError(f"unknown terrain edit {edit.action!r}; there are: {', '.join(EDITS)}")
     if len(edit.cells) > EDIT_CELLS_MAX:
         raise ValueError(f"an edit changes at most {EDIT_CELLS_MAX} cells, got {len(edit.cells)}")
     rows, columns = (np.array([cell[axis] for cell in edit.cells], dtype=np.intp) for axis in (0, 1))
     ny, nx = heights.shape
     if rows.size and not (rows.min() >= 0 and rows.max() < ny and columns.min() >= 0 and columns.max() < nx):
         raise ValueError(f"cells must be within {ny} rows and {nx} columns")
-    heights, forbidden = heights.copy(), forbidden.copy()
+    heights = heights.copy()
     if edit.action == "dig":
         heights[rows, columns] = np.nan
-        forbidden[rows, columns] = True
     elif edit.action == "raise":
         heights[rows, columns] += edit.amount
-    elif edit.action == "forbid":
-        forbidden[rows, columns] = True
+        if np.nanmax(np.abs(heights[rows, columns]), initial=0.0) > HEIGHT_MAX:
+            raise ValueError(f"heights must be within {HEIGHT_MAX:g} m of 0")
     elif edit.action == "clear":
         heights[rows, columns] = np.where(np.isnan(heights[rows, columns]), 0.0, heights[rows, columns])
-        forbidden[rows, columns] = False
-    else:
-        raise ValueError(f"unknown terrain edit {edit.action!r}; there are: dig, raise, forbid, clear")
-    return heights, forbidden
+    return heights
 
