@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..course import Sampled, twist_of
+from ..machine import Machine
 from ..vocabulary import Array
 
 STEP = 0.01  # m of s between samples; coarser costs up to this much of every existence segment
@@ -58,6 +59,16 @@ def trace_from(spec: Mapping[str, Any], yaw_length: float, start: Start = (0.0, 
     x0, y0, yaw0 = start
     c, d = math.cos(yaw0), math.sin(yaw0)
     return resample(x0 + c * x - d * y, y0 + d * x + c * y, yaw + yaw0, yaw_length, step)
+
+
+def step_for(machine: Machine) -> float:
+    """Metres of s between samples for a machine of this size."""
+    return min(STEP, machine.torso[0] / 100)
+
+
+def trace_for(spec: Mapping[str, Any], machine: Machine, start: Start = (0.0, 0.0, 0.0)) -> Sampled:
+    """A scenario's ``[trace]`` for this machine, from its start pose on."""
+    return trace_from(spec, machine.yaw_length, start, step_for(machine))
 
 
 def joystick_trace(

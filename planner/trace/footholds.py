@@ -68,13 +68,19 @@ class Field:
         self._edges: dict[tuple[int, int], int] = {}
         self._stable: dict[Feet, int] = {}
         self._valid: dict[Feet, int] = {}
-        px, py, pz = allowed_cells(lane, terrain, machine, thin)
-        for leg in range(len(machine.legs)):
-            self._find(leg, px, py, pz)
+        self._cells = allowed_cells(lane, terrain, machine, thin)
 
     # finding footholds
 
-    def _find(self, leg: int, px: Array, py: Array, pz: Array) -> None:
+    def find_all(self) -> Field:
+        """Find every leg's footholds at once; a caller with a tick to keep calls ``find`` leg by leg."""
+        for leg in range(len(self.machine.legs)):
+            self.find(leg)
+        return self
+
+    def find(self, leg: int) -> None:
+        """Find a leg's footholds and their existence segments."""
+        px, py, pz = self._cells
         if not len(px):
             return
         exists = self._exists(leg, px, py, pz)

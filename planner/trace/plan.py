@@ -34,7 +34,7 @@ SWAY = 1 / 16  # body lengths the body may leave the trace sideways, only where 
 SWAY_TURNING = 0.04  # m at most while turning on the spot
 SWAYS = (0.0, 0.5, -0.5, 1.0, -1.0)  # rows of the wide search, in parts of SWAY; the trace itself first
 LIMIT = 6_000  # states met on the trace itself; more finds little that sway does not find sooner
-LIMIT_WIDE = 40_000  # states met with sway, some two seconds of thinking: less blocks on ground that can be crossed
+LIMIT_WIDE = 20_000  # states met with sway, some two seconds of thinking: less blocks on ground that can be crossed
 SAME = 1e-3  # m; a foot this near to where the prediction has it is there
 ARRIVED = "the trace ends here"
 
@@ -93,7 +93,7 @@ class TraceWalk:
         new = yield from predicting(stance, command, terrain, self.machine, self.gait, trace=self.trace, rigid=self.rigid)
         if old is None or new.complete or old.terrain is not terrain or old.command != command or new.reached > old.reached:
             return new
-        n = _index(old, stance)
+        n = index_of(old, stance)
         return new if n is None or n >= len(old.moves) else replace(old, complete=False, reason=new.reason)
 
 
@@ -110,7 +110,7 @@ def run(thinking: Generator[None, None, Prediction]) -> Prediction:
 # using a prediction
 
 
-def _index(prediction: Prediction, stance: Stance) -> int | None:
+def index_of(prediction: Prediction, stance: Stance) -> int | None:
     """Which of the prediction's moves starts at this stance; None when the stance is none of its own."""
     feet: tuple[Point | None, ...] = tuple(None if leg in prediction.start.lifted else f for leg, f in enumerate(prediction.start.feet))
     body: tuple[float, ...] = prediction.start.body
@@ -132,7 +132,7 @@ def serves(
     prediction: Prediction, stance: Stance, command: Command, terrain: TerrainMap, machine: Machine, trace: Sampled | None
 ) -> bool:
     """True when the prediction's next move may be taken from here as it is."""
-    n = _index(prediction, stance)
+    n = index_of(prediction, stance)
     if n is None or n >= len(prediction.moves):
         return False
     if prediction.trace is not trace if trace is not None else prediction.given or _course_of(prediction.command) != _course_of(command):
@@ -158,7 +158,7 @@ def next_step(
     prediction: Prediction, stance: Stance, command: Command, terrain: TerrainMap, machine: Machine, gait: Gait, *, explain: bool = False
 ) -> StepPlan | Blocked:
     """The prediction's next move with its times; slower as the end of what is known to be passable comes near."""
-    n = _index(prediction, stance)
+    n = index_of(prediction, stance)
     if n is None or n >= len(prediction.moves):
         return Blocked(prediction.reason or ARRIVED, _first_to_leave(prediction), _decision(prediction, n) if explain else None)
     pace = command.speed if prediction.given else math.hypot(command.speed, machine.yaw_length * command.turn_rate)
@@ -229,7 +229,10 @@ def predicting(
         if rigid is not None and sway:
             break
         lane = lane_along(drawn, first, last, now, stance, terrain, machine, gait, sway)
-        field = Field(lane, terrain, machine, thin=thinning(lane, terrain, machine))
+        thin = thinning(lane, terrain, machine)
+        if thin > 1:
+            count = limit  # plenty of ground everywhere: what stops it is an edge, and sway does not help
+        field = Field(lane, terrain, machine, thin=thin)
         for leg in range(len(machine.legs)):
             yield
             field.find(leg)
@@ -249,9 +252,10 @@ def predicting(
             break
         yield
     reached = offset + path.farthest * step
+    sure = reached if path.complete else moves[-1].course if moves else stance.course
     reason = "" if path.complete else _why(path, reached, looked)
     return Prediction(
-        drawn, command, terrain, stance, moves, reached, offset + goal * step, path.complete, reason, looked, given,
+        drawn, command, terrain, stance, moves, sure, offset + goal * step, path.complete, reason, looked, given,
         last=given and last == drawn.last,
     )  # fmt: skip
 

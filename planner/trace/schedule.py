@@ -18,12 +18,12 @@ from ..machine import Machine
 from ..support import longitudinal_margin, polygon_margin, support_polygon
 from ..terrain import TerrainMap
 from ..vocabulary import Gait, Phase, Point, Stance, StepPlan
-from .footholds import AIR, Feet, Field, span
+from .footholds import AIR, Feet, Field, first_bit, span
 from .search import Path
 from .transfer import Pose, aim_of, carry_height, placed_by, seen_from, waiting_place
 
 TOGETHER = 3  # legs at most in the air at once by choice, K: k = 1, 2, 3
-KNOT = 0.1  # m of s between knots at most; wider shows as corners on a curve
+KNOT = 1 / 16  # body lengths of s between knots at most; wider shows as corners on a curve
 KNOT_TURN = 0.05  # rad of yaw between knots; wider lets feet leave their rectangles by over 0.3 mm
 PAUSE_SPEED = 1e-6  # m; a shorter way is no way
 
@@ -75,8 +75,8 @@ def _merge(field: Field, nodes: list[_Node], together: int) -> list[tuple[_Node,
             windows = _windows(field, nodes[k], nodes[j])
             if windows is not None:
                 best = j, windows
-        if best is None:  # cannot happen: successive states overlap
-            break
+        if best is None:
+            raise RuntimeError(f"states {k} and {k + 1} of the path do not overlap")
         j, (lifting, placing) = best
         moves.append((nodes[k], lifting, placing, nodes[j]))
         k = j
@@ -90,15 +90,13 @@ def _windows(field: Field, a: _Node, b: _Node) -> tuple[int, int] | None:
         return None
     base = tuple(AIR if leg in changed else f for leg, f in enumerate(a.feet))
     carried = field.valid(base)
-    lifting = a.place & carried
-    if not lifting:
-        return None
-    placing = b.place & carried
-    if not placing:
-        return None
-    whole = field.place(carried, (lifting & -lifting).bit_length() - 1)
-    lifting, placing = lifting & whole, placing & whole
-    return (lifting, placing) if lifting and placing else None
+    lifting, placing = a.place & carried, b.place & carried
+    while lifting and placing:
+        whole = field.place(carried, first_bit(lifting))
+        if placing & whole:
+            return lifting & whole, placing & whole
+        lifting &= ~whole
+    return None
 
 
 def _samples(field: Field, moves: list[tuple[_Node, int, int, _Node]], path: Path) -> list[tuple[_Node, _Node, int, int, int]]:
@@ -255,13 +253,15 @@ def _apart(a: Pose, b: Pose, yaw_length: float) -> float:
     return math.sqrt((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2 + (yaw_length * (b[3] - a[3])) ** 2)
 
 
-def _part(poses: Sequence[Pose], start: float, end: float, yaw_length: float) -> list[Pose]:
+def _part(poses: Sequence[Pose], start: float, end: float, machine: Machine) -> list[Pose]:
     """Poses from ``start`` to ``end`` metres along a way, both ends included, knots no wider apart than needed."""
     marks = [0.0]
     for a, b in zip(poses, poses[1:], strict=False):
-        marks.append(marks[-1] + _apart(a, b, yaw_length))
+        marks.append(marks[-1] + _apart(a, b, machine.yaw_length))
     turn = abs(poses[-1][3] - poses[0][3])
-    count = max(1, math.ceil((end - start) / KNOT - 1e-9), math.ceil(turn / KNOT_TURN * (end - start) / max(marks[-1], 1e-9) - 1e-9))
+    by_length = math.ceil((end - start) / (KNOT * machine.torso[0]) - 1e-9)
+    by_turn = math.ceil(turn / KNOT_TURN * (end - start) / max(marks[-1], 1e-9) - 1e-9)
+    count = max(1, by_length, by_turn)
     columns = [[pose[axis] for pose in poses] for axis in range(4)]
     at = np.linspace(start, end, count + 1)
     x, y, z, yaw = (np.interp(at, marks, column).tolist() for column in columns)
@@ -319,7 +319,7 @@ def step_plan(stance: Stance, move: Move, pace: float, terrain: TerrainMap, mach
     def standing(part: float, pose: Pose) -> tuple[Point, ...]:
         return tuple(placed_by(pose, resting[leg]) if leg in resting else foot for leg, foot in enumerate(still))
 
-    ways = _part(move.shift, 0.0, shift_length, rho) if shift_length > PAUSE_SPEED else []
+    ways = _part(move.shift, 0.0, shift_length, machine) if shift_length > PAUSE_SPEED else []
     if ways:
         knots.go(ways, shift_length / pace, Phase.SUPPORT, standing)
     paced.play(knots)
@@ -396,8 +396,8 @@ class _Swing:
         if up_way + down_way > length:
             scale = length / (up_way + down_way)
             up_way, down_way = up_way * scale, down_way * scale
-        after_up = _part(self.move.carry, 0.0, up_way, rho)[-1]
-        before_down = _part(self.move.carry, 0.0, length - down_way, rho)[-1]
+        after_up = _part(self.move.carry, 0.0, up_way, self.machine)[-1]
+        before_down = _part(self.move.carry, 0.0, length - down_way, self.machine)[-1]
         need = 0.0
         for leg in self.move.legs:
             a = self.from_air[leg] if leg in self.from_air else seen_from(after_up, self.raised[leg])
@@ -423,11 +423,10 @@ class _Timed:
     def play(self, knots: _Knots) -> None:
         """Append the phases up, return, down."""
         swing, move = self.swing, self.swing.move
-        rho = swing.machine.yaw_length
         still = swing.stance.feet
-        after_up = _part(move.carry, 0.0, self.up_way, rho)
-        carry = _part(move.carry, self.up_way, self.length - self.down_way, rho)
-        lower = _part(move.carry, self.length - self.down_way, self.length, rho)
+        after_up = _part(move.carry, 0.0, self.up_way, swing.machine)
+        carry = _part(move.carry, self.up_way, self.length - self.down_way, swing.machine)
+        lower = _part(move.carry, self.length - self.down_way, self.length, swing.machine)
         start_b, end_b = {}, {}
         for leg in move.legs:
             start_b[leg] = swing.from_air[leg] if leg in swing.from_air else seen_from(after_up[-1], swing.raised[leg])

@@ -10,7 +10,7 @@ reaching farther ahead always comes first.
 from __future__ import annotations
 
 from collections.abc import Generator, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from heapq import heappop, heappush
 from itertools import product
 from typing import TypeVar
@@ -18,7 +18,8 @@ from typing import TypeVar
 from .footholds import AIR, Feet, Field, first_bit, legs_clear
 from .states import State, k_step
 
-PAUSE = 8  # states looked at between two yields
+PAUSE = 60  # changes tried between two yields: some two milliseconds
+ORDER_PAUSE = 4  # steps of K's order between two yields: the same
 AHEAD_WEIGHT = 0.35  # how much the mean remaining life of the feet counts beside the sample reached
 
 
@@ -38,43 +39,52 @@ class Path:
     states: tuple[State, ...]
     complete: bool
     farthest: int  # sample of the trace
-    looked: int  # states looked at
+    looked: int  # states met
     exhausted: bool  # nothing was left to look at: there is no way
+
+    def to_standing(self) -> Path:
+        """The part up to the last state in which every leg stands: where to wait when there is no way on, or none yet."""
+        for n in range(len(self.states) - 1, 0, -1):
+            if AIR not in self.states[n].feet:
+                return replace(self, states=self.states[: n + 1])
+        return replace(self, states=self.states[:1]) if self.states and AIR not in self.states[0].feet else self
 
 
 def search(field: Field, start: State, goal: int, limit: int, in_order: bool = True) -> Generator[None, None, Path]:
-    """States from ``start`` to one that lasts until sample ``goal``, or as far as ``limit`` states looked at could find.
+    """States from ``start`` to one that lasts until sample ``goal``, or as far as ``limit`` states met could find.
 
     K's order first; where it fails the search goes on from every state it passed. Yields now and then, so that a
     caller may spread it over ticks; the answer does not depend on how.
     """
     met = _Met(field)
     met.enter(start, None)
-    looked = 0
+    paused = 0
     if in_order:
         state: State | None = start
-        while state is not None and met.farthest < goal and looked < limit:
+        while state is not None and met.farthest < goal and met.count < limit:
             state = _follow_order(field, met, state)
-            looked += 1
-            if looked % PAUSE == 0:
+            paused += 1
+            if paused % ORDER_PAUSE == 0:
                 yield
     heap = met.heap
-    while heap and met.farthest < goal and looked < limit:
-        worth, _, state, batch = heappop(heap)
-        looked += 1
+    paused = 0
+    while heap and met.farthest < goal and met.count < limit:
+        worth, _, state = heappop(heap)
         place = met.place_of(state)
         more = False
         for leg in range(len(state.feet)):
-            found = successors(field, state, place, leg)
-            for nxt in found[batch * BATCH : (batch + 1) * BATCH]:
+            found = successors(field, state, place, leg, met.places)
+            for nxt in found[:BATCH]:
                 met.enter(nxt, (state.feet, place))
-            more = more or len(found) > (batch + 1) * BATCH
+            more = more or len(found) > BATCH
+            paused += 1 + min(len(found), BATCH)
+        if paused >= PAUSE:
+            paused = 0
+            yield
         if more:
             met.serial += 1
-            heappush(heap, (worth + BATCH_COST, met.serial, state, batch + 1))
-        if looked % PAUSE == 0:
-            yield
-    return met.path(met.farthest >= goal, looked)
+            heappush(heap, (worth + BATCH_COST, met.serial, state))
+    return met.path(met.farthest >= goal)
 
 
 class _Met:
@@ -82,10 +92,11 @@ class _Met:
 
     def __init__(self, field: Field) -> None:
         self.field = field
-        self.heap: list[tuple[float, int, State, int]] = []
+        self.heap: list[tuple[float, int, State]] = []
         self.serial = 0
         self.came_from: dict[Key, Key | None] = {}
         self.state_of: dict[Key, State] = {}
+        self.places: dict[Feet, int] = {}  # all samples a set of feet has been met in
         self.farthest = -1
         self.best: Key | None = None
 
@@ -101,20 +112,26 @@ class _Met:
             return False
         self.came_from[key] = parent
         self.state_of[key] = state
+        self.places[state.feet] = self.places.get(state.feet, 0) | place
         end = field.farthest(place)
         self.serial += 1
-        heappush(self.heap, (-promise(field, state.feet, end), self.serial, state, 0))
+        heappush(self.heap, (-promise(field, state.feet, end), self.serial, state))
         if end > self.farthest:
             self.best, self.farthest = key, end
         return True
 
-    def path(self, complete: bool, looked: int) -> Path:
+    @property
+    def count(self) -> int:
+        """States met so far."""
+        return len(self.came_from)
+
+    def path(self, complete: bool) -> Path:
         states: list[State] = []
         key = self.best
         while key is not None:
             states.append(self.state_of[key])
             key = self.came_from[key]
-        return Path(tuple(reversed(states)), complete, self.farthest, looked, not self.heap)
+        return Path(tuple(reversed(states)), complete, self.farthest, self.count, not self.heap)
 
 
 def _follow_order(field: Field, met: _Met, state: State) -> State | None:
@@ -139,27 +156,42 @@ def promise(field: Field, feet: Feet, end: int) -> float:
     return end + AHEAD_WEIGHT * life / len(feet)
 
 
-def successors(field: Field, state: State, place: int, leg: int) -> list[State]:
-    """States one change of ``leg`` away, those that last longest first: moved, put down, or lifted when it must leave."""
+def successors(field: Field, state: State, place: int, leg: int, met: dict[Feet, int]) -> list[State]:
+    """States one change of ``leg`` away, those that last longest first: moved, put down, or lifted when it must leave.
+
+    ``met`` says in which samples a set of feet has been met before; only what is new is returned.
+    """
     feet, at = state
     holds, reach, radius = field.holds, field.reach, field.machine.foot_radius
     f = feet[leg]
-    rest = feet[:leg] + (AIR,) + feet[leg + 1 :]
-    found: list[tuple[int, State]] = []
+    fore, aft = feet[:leg], feet[leg + 1 :]
+    rest = (*fore, AIR, *aft)
+    found: list[tuple[int, Feet, int]] = []
     window = place
     if f >= 0:
         carried = field.valid(rest)
         window &= carried
         if not window:
             return []
-        if field.place(carried, first_bit(window)) & ~place:  # lifting it lets the body go where it cannot go otherwise
-            found.append((field.count, State(rest, field.nearest(window, at))))
+        fresh = window & ~met.get(rest, 0)
+        while fresh:
+            whole = field.place(carried, first_bit(fresh))
+            if whole & ~place:  # lifted, the body can go where it cannot go otherwise
+                found.append((field.count, rest, fresh & whole))
+            fresh &= ~whole
     for g in field.by_leg[leg]:
         both = window & reach[g]
-        if both and g != f and legs_clear(holds, rest, holds[g], radius):
-            found.append((holds[g].last, State(feet[:leg] + (g,) + feet[leg + 1 :], field.nearest(both, at))))
-    found.sort(key=lambda item: -item[0])
-    return [state for _, state in found]
+        if both and g != f:
+            new = (*fore, g, *aft)
+            fresh = both & ~met.get(new, 0)
+            if fresh and legs_clear(holds, rest, holds[g], radius):
+                found.append((holds[g].last, new, fresh))
+    found.sort(key=_lasting, reverse=True)
+    return [State(new, field.nearest(fresh, at)) for _, new, fresh in found]
+
+
+def _lasting(change: tuple[int, Feet, int]) -> int:
+    return change[0]
 
 
 def search_rigid(field: Field, start: State, goal: int, limit: int, groups: Sequence[tuple[int, ...]]) -> Generator[None, None, Path]:
@@ -167,19 +199,16 @@ def search_rigid(field: Field, start: State, goal: int, limit: int, groups: Sequ
     met = _Met(field)
     met.enter(start, None)
     phase: dict[Key, int] = {(start.feet, met.place_of(start)): 0}
-    looked = 0
     heap = met.heap
-    while heap and met.farthest < goal and looked < limit:
-        _, _, state, _ = heappop(heap)
-        looked += 1
+    while heap and met.farthest < goal and met.count < limit:
+        _, _, state = heappop(heap)
         key = (state.feet, met.place_of(state))
         group = groups[phase[key] % len(groups)]
         for nxt in moved_together(field, state, key[1], group):
             if met.enter(nxt, key):
                 phase[nxt.feet, met.place_of(nxt)] = phase[key] + 1
-        if looked % PAUSE == 0:
-            yield
-    return met.path(met.farthest >= goal, looked)
+        yield
+    return met.path(met.farthest >= goal)
 
 
 def moved_together(field: Field, state: State, place: int, legs: tuple[int, ...]) -> Iterator[State]:

@@ -1,0 +1,99 @@
+"""The states a trace walk goes through: K's order, the search behind it, and what no search can do."""
+
+import math
+
+import numpy as np
+import pytest
+from exhaustive import farthest_reachable
+from rollout import field_of, gait_of
+
+from planner.course import Sampled
+from planner.machine import Machine, load_machine
+from planner.terrain import TerrainMap
+from planner.trace.curve import STEP, trace_from
+from planner.trace.footholds import AIR, Field, Lane, first_bit, run_end, run_start, span
+from planner.trace.search import finish, search
+from planner.trace.states import State, end_of, k_step
+
+HEXAPOD = load_machine("hexapod")
+
+
+def field_on_trace(terrain: TerrainMap, samples: int, machine: Machine = HEXAPOD, step: float = STEP) -> tuple[Field, State]:
+    course = trace_from({"kind": "sine"}, machine.yaw_length, step=step)
+    part = slice(0, samples + 1)
+    lane = Lane(course.x[None, part], course.y[None, part], course.yaw[part], np.full(samples + 1, gait_of(machine).height))
+    field = Field(lane, terrain, machine).find_all()
+    return field, State(tuple(field.stand(leg, (*description.centre, 0.0), 0) for leg, description in enumerate(machine.legs)), 0)
+
+
+def test_samples_are_bits() -> None:
+    mask = span(3, 7) | span(10, 12)
+    assert first_bit(mask) == 3
+    assert (run_start(mask, 5), run_end(mask, 5)) == (3, 7)
+    assert (run_start(mask, 11), run_end(mask, 11)) == (10, 12)
+
+
+def test_on_open_ground_the_leg_that_must_leave_first_is_lifted_and_put_down_ahead() -> None:
+    field, start = field_on_trace(field_of(1.0, 0, HEXAPOD), 160)
+    lifted, down = k_step(field, start) or []
+    leg = min(range(6), key=lambda i: field.holds[start.feet[i]].last)
+    assert lifted.feet[leg] == AIR and down.feet[leg] >= 0
+    assert field.holds[down.feet[leg]].last > field.holds[start.feet[leg]].last
+
+
+def test_successive_states_overlap() -> None:
+    """K: the necessary and sufficient condition for a stable motion."""
+    field, start = field_on_trace(field_of(0.04, 3, HEXAPOD), 320)
+    path = finish(search(field, start, 320, 40_000))
+    assert path.complete
+    for before, after in zip(path.states, path.states[1:], strict=False):
+        assert field.valid(before.feet) & field.valid(after.feet)
+        assert sum(f >= 0 for f in after.feet) >= 3
+        assert end_of(field, after) >= after.at
+
+
+@pytest.mark.parametrize("seed", (101, 104, 106, 107, 110, 111))
+def test_where_an_exhaustive_search_finds_a_way_so_does_the_planner_and_nowhere_else(seed: int) -> None:
+    """Thin ground, 0.75 m of trace in coarse samples: some of these fields can be crossed, some cannot."""
+    samples, step = 15, 0.05
+    terrain = field_of(0.01, seed, HEXAPOD, (-1.0, 1.8, -1.0, 1.4))
+    field, start = field_on_trace(terrain, samples, step=step)
+    course = trace_from({"kind": "sine"}, HEXAPOD.yaw_length, step=step)
+    short = Sampled(step, course.x[: samples + 1].copy(), course.y[: samples + 1].copy(), course.yaw[: samples + 1].copy())
+    most = farthest_reachable(HEXAPOD, terrain, short, tuple(leg.centre for leg in HEXAPOD.legs))
+    path = finish(search(field, start, samples, 1_000_000))
+    assert path.farthest == most
+    assert path.complete == (most == samples)
+
+
+def test_the_answer_does_not_depend_on_how_the_search_is_sliced() -> None:
+    paths = []
+    for slices in (1, 3):
+        field, start = field_on_trace(field_of(0.03, 5, HEXAPOD), 320)
+        thinking = search(field, start, 320, 2000)
+        while True:
+            try:
+                for _ in range(slices):
+                    next(thinking)
+            except StopIteration as done:
+                paths.append(done.value)
+                break
+    assert paths[0] == paths[1]
+
+
+def test_with_sway_a_field_can_be_crossed_that_the_trace_alone_cannot() -> None:
+    terrain = field_of(0.03, 1, HEXAPOD)
+    course = trace_from({"kind": "sine"}, HEXAPOD.yaw_length)
+    x, y, yaw = (array[:321] for array in (course.x, course.y, course.yaw))
+    reached = []
+    for sways in ((0.0,), (0.0, 0.05, -0.05, 0.1, -0.1)):
+        tx, ty = np.gradient(x), np.gradient(y)
+        size = np.hypot(tx, ty)
+        lane = Lane(
+            np.stack([x - sway * ty / size for sway in sways]), np.stack([y + sway * tx / size for sway in sways]), yaw, np.full(321, 0.5)
+        )
+        field = Field(lane, terrain, HEXAPOD).find_all()
+        start = State(tuple(field.stand(leg, (*d.centre, 0.0), 0) for leg, d in enumerate(HEXAPOD.legs)), 0)
+        reached.append(finish(search(field, start, 320, 40_000)).farthest)
+    assert reached[1] >= reached[0]
+    assert math.isclose(reached[1], 320, abs_tol=0)

@@ -1,0 +1,201 @@
+"""Whole walks along traces, on paper: every step of them keeps every promise."""
+
+import math
+
+import numpy as np
+import pytest
+from rollout import faults_of, field_of, gait_of, walk
+
+from planner.machine import load_machine, machine_from
+from planner.terrain import TerrainMap
+from planner.trace.curve import trace_for
+from planner.trace.gait import GAITS
+from planner.trace.plan import ARRIVED, TraceWalk, plan_step, standing_start
+from planner.vocabulary import Blocked, Command, Stance, StepPlan
+
+HEXAPOD = load_machine("hexapod")
+EVERYWHERE = field_of(1.0, 0, HEXAPOD, (-8, 8, -8, 8))
+SPARSE = field_of(0.10, 0, HEXAPOD, (-8, 8, -8, 8))
+WALKING = Command(speed=0.3)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_eight_metres_of_the_sine_trace_on_four_percent(seed: int) -> None:
+    walked = walk(HEXAPOD, field_of(0.04, seed, HEXAPOD), WALKING, trace_for({"kind": "sine"}, HEXAPOD), until=8.0)
+    assert walked.faults == []
+    assert walked.stance.course >= 8.0
+
+
+@pytest.mark.parametrize("terrain", [EVERYWHERE, SPARSE], ids=["open", "10 %"])
+@pytest.mark.parametrize(
+    "spec",
+    [
+        {"kind": "turn"},
+        {"kind": "turn", "angle_deg": -360},
+        {"kind": "sideways"},
+        {"kind": "sideways", "direction_deg": -90},
+        {"kind": "line", "direction_deg": 180},
+        {"kind": "circle"},
+        {"kind": "spiral", "angle_deg": 270},
+        {"kind": "waypoints", "waypoints": [[0, 0, 0], [2, 1, 45], [3, 3, 90]], "yaw": "fixed"},
+        {"kind": "sine", "yaw": "tangent", "distance": 5},
+    ],
+    ids=lambda spec: "-".join(str(value) for value in spec.values())[:24],
+)
+def test_every_kind_of_trace_is_walked_to_its_end(spec: dict[str, object], terrain: TerrainMap) -> None:
+    trace = trace_for(spec, HEXAPOD)
+    walked = walk(HEXAPOD, terrain, WALKING, trace)
+    assert walked.faults == []
+    assert walked.arrived
+    x, y, yaw = trace.pose(math.inf)
+    assert walked.stance.body[:2] == pytest.approx((x, y), abs=0.03)
+    assert walked.stance.body[3] == pytest.approx(yaw, abs=0.03)
+
+
+def test_turning_on_the_spot_the_centre_of_gravity_stays_within_5_cm() -> None:
+    for terrain in (EVERYWHERE, SPARSE):
+        walked = walk(HEXAPOD, terrain, WALKING, trace_for({"kind": "turn"}, HEXAPOD))
+        assert max(np.hypot(plan.body[:, 0], plan.body[:, 1]).max() for plan in walked.steps) < 0.05
+
+
+@pytest.mark.parametrize("crab_deg", [0, 45, 90, 135, 180, -135, -90, -45])
+def test_the_joystick_drives_any_way(crab_deg: int) -> None:
+    command = Command(math.radians(crab_deg), 0.2)
+    walked = walk(HEXAPOD, EVERYWHERE, command, until=3.0)
+    assert walked.faults == [] and walked.blocked is None
+    x, y = walked.stance.body[:2]
+    assert math.atan2(y, x) == pytest.approx(math.atan2(math.sin(command.crab_angle), math.cos(command.crab_angle)), abs=0.01) or (
+        abs(crab_deg) == 180 and x < -2.9
+    )
+
+
+def test_the_joystick_may_change_its_mind_at_every_step() -> None:
+    rng = np.random.default_rng(7)
+    think, now = TraceWalk(HEXAPOD, gait_of(HEXAPOD)), standing_start(HEXAPOD, gait_of(HEXAPOD), 0.0, 0.0, 0.0, lambda x, y: 0.0)
+    for _ in range(40):
+        command = Command(float(rng.uniform(-math.pi, math.pi)), float(rng.uniform(0.05, 0.4)), float(rng.uniform(-0.4, 0.4)))
+        answer = finished(think, now, command, SPARSE)
+        assert isinstance(answer, StepPlan), answer
+        assert faults_of(answer, now, HEXAPOD, SPARSE) == []
+        now = answer.end
+
+
+def finished(think: TraceWalk, stance: Stance, command: Command, terrain: TerrainMap) -> StepPlan | Blocked:
+    thinking = think(stance, command, terrain)
+    while True:
+        try:
+            next(thinking)
+        except StopIteration as done:
+            answer: StepPlan | Blocked = done.value
+            return answer
+
+
+@pytest.mark.parametrize("name", GAITS)
+def test_rigid_gaits_walk_open_ground_in_their_order(name: str) -> None:
+    walked = walk(HEXAPOD, EVERYWHERE, WALKING, trace_for({"kind": "line", "length": 4}, HEXAPOD), rigid=GAITS[name])
+    assert walked.faults == [] and walked.arrived
+    groups = [frozenset(group) for group in GAITS[name].groups]
+    moved = [frozenset(plan.swing) for plan in walked.steps if plan.swing]
+    first = groups.index(moved[0])
+    assert moved == [groups[(first + n) % len(groups)] for n in range(len(moved))]
+
+
+def test_where_the_rigid_tripod_is_stuck_the_free_gait_walks_on() -> None:
+    terrain, trace = field_of(0.04, 2, HEXAPOD), trace_for({"kind": "sine"}, HEXAPOD)
+    rigid = walk(HEXAPOD, terrain, WALKING, trace, until=8.0, rigid=GAITS["tripod"])
+    free = walk(HEXAPOD, terrain, WALKING, trace, until=8.0)
+    assert rigid.blocked is not None and rigid.stance.course < 8.0
+    assert free.stance.course >= 8.0
+
+
+@pytest.mark.parametrize("robot", ["phantomx", "titan3"])
+def test_other_machines_walk_traces_too(robot: str) -> None:
+    machine = load_machine(robot)
+    terrain = TerrainMap(np.zeros((480, 480)), np.zeros((480, 480), dtype=bool), 0.025, (-6.0, -6.0), machine.foot_radius)
+    for spec in ({"kind": "line", "length": 2}, {"kind": "turn", "angle_deg": 180}):
+        walked = walk(machine, terrain, Command(speed=0.1), trace_for(spec, machine))
+        assert walked.faults == [] and walked.arrived
+
+
+def test_an_eight_legged_machine_walks_too() -> None:
+    legs = [
+        {"name": f"leg {n}", "x": [x - 0.2, x + 0.2], "y": sorted((side * 0.3, side * 0.7)), "z": [-0.7, -0.3]}
+        for n, (x, side) in enumerate([(0.6, 1), (0.2, 1), (-0.2, 1), (-0.6, 1), (-0.6, -1), (-0.2, -1), (0.2, -1), (0.6, -1)])
+    ]
+    machine = machine_from(
+        {
+            "name": "octopod", "title": "eight legs", "source": "a test", "mass": 60.0, "torso": [1.6, 0.5, 0.2], "height": 0.5,
+            "foot_radius": 0.03, "friction": 0.8, "yaw_length": 0.7, "duty_factor": 0.75, "lift_up": 0.1, "lift_down": 0.2,
+            "speed": [1.0, 1.0, 0.8], "overreach": [0.05, 0.05, 0.15], "legs": legs,
+        }
+    )  # fmt: skip
+    walked = walk(machine, field_of(0.3, 0, machine, (-3, 7, -3, 3)), Command(speed=0.2), trace_for({"kind": "line", "length": 3}, machine))
+    assert walked.faults == [] and walked.arrived
+
+
+def test_the_walker_is_slower_where_footholds_are_far_apart() -> None:
+    trace = trace_for({"kind": "line", "length": 6}, HEXAPOD)
+    commanded = Command(speed=0.15)
+    easy = walk(HEXAPOD, field_of(1.0, 0, HEXAPOD), commanded, trace)
+    hard = walk(HEXAPOD, field_of(0.03, 4, HEXAPOD), commanded, trace)
+    assert easy.arrived and hard.arrived
+    assert hard.seconds > easy.seconds
+
+
+def test_a_slower_command_makes_a_slower_step_over_the_same_ground() -> None:
+    stance = standing_start(HEXAPOD, gait_of(HEXAPOD), 0.0, 0.0, 0.0, lambda x, y: 0.0)
+    trace = trace_for({"kind": "line"}, HEXAPOD)
+    fast, slow = (plan_step(stance, Command(speed=v), EVERYWHERE, HEXAPOD, gait_of(HEXAPOD), trace=trace) for v in (0.4, 0.02))
+    assert isinstance(fast, StepPlan) and isinstance(slow, StepPlan)
+    assert fast.end == slow.end or np.allclose(fast.end.feet, slow.end.feet)
+    assert slow.speed == pytest.approx(0.02, rel=1e-6) and fast.speed > slow.speed
+    assert slow.speed_max == pytest.approx(fast.speed_max)
+
+
+def test_at_the_end_of_the_trace_it_says_so() -> None:
+    walked = walk(HEXAPOD, EVERYWHERE, WALKING, trace_for({"kind": "line", "length": 1}, HEXAPOD))
+    assert walked.blocked is not None and walked.blocked.reason == ARRIVED
+
+
+def test_on_an_island_it_stops_at_the_edge_and_says_why() -> None:
+    forbidden = EVERYWHERE.forbidden.copy()
+    forbidden[:, round((2.5 + 8) / 0.05) :] = True
+    island = TerrainMap(np.where(forbidden, np.nan, 0.0), forbidden, 0.05, EVERYWHERE.origin)
+    walked = walk(HEXAPOD, island, WALKING, trace_for({"kind": "line"}, HEXAPOD))
+    assert walked.faults == []
+    assert walked.blocked is not None and "beyond s =" in walked.blocked.reason
+    assert walked.stance.lifted == () and max(foot[0] for foot in walked.stance.feet) < 2.5
+    assert walked.steps[-1].speed <= walked.steps[0].speed  # it slows down towards the end of what it knows
+
+
+def test_when_the_map_grows_it_walks_on() -> None:
+    """K's dialogue with the eye: the horizon ends where the map does."""
+    forbidden = EVERYWHERE.forbidden.copy()
+    forbidden[:, round((2.0 + 8) / 0.05) :] = True
+    seen = TerrainMap(np.where(forbidden, np.nan, 0.0), forbidden, 0.05, EVERYWHERE.origin)
+    trace = trace_for({"kind": "line"}, HEXAPOD)
+    think = TraceWalk(HEXAPOD, gait_of(HEXAPOD), trace)
+    now = standing_start(HEXAPOD, gait_of(HEXAPOD), 0.0, 0.0, 0.0, lambda x, y: 0.0)
+    for terrain in (seen, EVERYWHERE):
+        while isinstance(answer := finished(think, now, WALKING, terrain), StepPlan):
+            now = answer.end
+    assert answer.reason == ARRIVED
+
+
+def test_it_leaves_a_posture_that_is_not_its_own() -> None:
+    """Feet set down anywhere by a stop in mid-step are footholds like any other."""
+    stance = standing_start(HEXAPOD, gait_of(HEXAPOD), 0.0, 0.0, 0.0, lambda x, y: 0.0)
+    moved = Stance((0.07, -0.03, stance.body[2], 0.02), stance.feet, course=0.05)
+    answer = plan_step(moved, WALKING, SPARSE, HEXAPOD, gait_of(HEXAPOD), trace=trace_for({"kind": "line"}, HEXAPOD))
+    assert isinstance(answer, StepPlan)
+    assert faults_of(answer, moved, HEXAPOD, SPARSE) == []
+
+
+def test_over_rough_ground_the_body_follows_and_feet_clear_the_crests() -> None:
+    rng = np.random.default_rng(3)
+    rows = columns = 320
+    heights = rng.uniform(-0.06, 0.06, (rows, columns))
+    terrain = TerrainMap(heights, np.zeros((rows, columns), dtype=bool), 0.05, (-8.0, -8.0))
+    walked = walk(HEXAPOD, terrain, WALKING, trace_for({"kind": "sine", "distance": 4}, HEXAPOD))
+    assert walked.arrived
+    assert walked.faults == []
