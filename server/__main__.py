@@ -45,7 +45,7 @@ SERVED_FIRST = "dem"
 @contextmanager
 def one_clear_line() -> Iterator[None]:
     """Bad input ends in one line on standard error and exit status 2, never in a traceback."""
-    from .figures import FigureError
+    from .figures.walks import FigureError
     from .headless import RunError
 
     try:

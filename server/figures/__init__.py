@@ -11,25 +11,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from sim.scenarios import load_scenario
+
+from .walks import FigureError, Recipe, Walk, read_walk, walk_recipe
+
 __all__ = ["FIGURES", "Figure", "FigureError", "draw_figure"]
 
 
-class FigureError(ValueError):
-    """A drawing that cannot be made; the message is one clear line."""
-
-
+STEPS_MIN = 4  # a whole cycle
 LIFT, PACE = "lift", "pace"
 LINES = {LIFT: (0.05, 0.1, 0.2), PACE: (0.2, 0.4, 0.8)}  # m and m/s, of which H fig. 16 has a line each
 MARKS = {LIFT: (0.02, 0.05, 0.1, 0.15, 0.2), PACE: (0.1, 0.2, 0.4, 0.6, 0.8, 1.0)}
-
-
-@dataclass(frozen=True)
-class Recipe:
-    """One walk a drawing needs: a scenario, its ``--set`` settings, and V_z where the robot is to have another, m/s."""
-
-    scenario: str
-    settings: tuple[str, ...] = ()
-    lift_speed: float | None = None
 
 
 @dataclass(frozen=True)
@@ -89,15 +81,24 @@ def draw_figure(name: str, out: Path, run: Path | None = None) -> list[str]:
         if error.name is None or not error.name.startswith("matplotlib"):
             raise
         raise FigureError("drawing needs matplotlib: pip install 'walking-console[figures]'") from None
-    from .walks import read_walk, walk_recipe
-
     with tempfile.TemporaryDirectory() as folder:
         walks = {}
         for number, (key, recipe) in enumerate(figure.walks.items()):
             directory = run if run is not None and number == 0 else walk_recipe(recipe, Path(folder) / str(number))
             walks[key] = read_walk(directory)
+            if number == 0:
+                _check(name, recipe, walks[key])
         save(getattr(pages, figure.page)(figure.title, walks), out)
         return [f"{figure.title}: {out}", *said(next(iter(walks.values())).summary)]
+
+
+def _check(name: str, recipe: Recipe, walk: Walk) -> None:
+    """A run that is given must be of the same kind as the figure's own."""
+    wanted, given = load_scenario(recipe.scenario).terrain.kind, walk.summary["scenario"]["terrain"]["kind"]
+    if wanted != given:
+        raise FigureError(f"{name} is drawn from a walk over {wanted!r}, the run is one over {given!r}")
+    if len(walk.steps) < STEPS_MIN:
+        raise FigureError(f"{name} needs a walk of at least {STEPS_MIN} steps, the run has {len(walk.steps)}")
 
 
 def said(summary: Mapping[str, Any]) -> list[str]:

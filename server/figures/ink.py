@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from planner.course import Box
 
-from . import FigureError
+from .walks import FigureError
 
 Array = NDArray[Any]
 

@@ -159,9 +159,9 @@ def crossing_steps(walk: Walk, at: float, width: float, heading: float, count: i
         return point[0] * math.cos(heading) + point[1] * math.sin(heading) > at + width / 2
 
     over = []
-    for k, step in enumerate(walk.steps, 1):
-        leg = step["swing"][0] - 1
-        if beyond(walk.stance(k).feet[leg]) and not beyond(walk.stance(k - 1).feet[leg]):
+    for k in range(1, len(walk.steps) + 1):
+        leg = walk.swing(k)
+        if leg >= 0 and beyond(walk.stance(k).feet[leg]) and not beyond(walk.stance(k - 1).feet[leg]):
             over.append(k)
     if not over:
         return list(range(1, min(count, len(walk.steps)) + 1))
@@ -313,7 +313,7 @@ def directions(title: str, walks: Mapping[str, Walk]) -> Figure:
     strip = page.add_subplot(rows[1])
     off = [step["off_standard"] if step["off_standard"] is not None else np.nan for step in walk.steps]
     numbers = np.arange(1, len(off) + 1)
-    colours = [LEGS[step["swing"][0] - 1] for step in walk.steps]
+    colours = [LEGS[walk.swing(int(k))] if walk.swing(int(k)) >= 0 else INK for k in numbers]
     strip.bar(numbers, off, width=0.8, color=colours)
     strip.axhline(0.05, color=INK, lw=0.7, ls=(0, (4, 3)))
     strip.text(1, 0.06, "below: standard", va="bottom", fontsize=7.5)

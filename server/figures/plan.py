@@ -31,22 +31,23 @@ def travel(walk: Walk) -> float:
 def step_frame(ax: Axes, walk: Walk, k: int, label: str = "", **look: Any) -> None:
     """Step k (from 1) from above: where it stood at N_{k-1}, which leg went where, over which triangle the CoG went how far."""
     stance, standard = walk.stance(k - 1), walk.standard(k)
-    leg = walk.steps[k - 1]["swing"][0] - 1
-    landing = walk.stance(k).feet[leg]
+    leg = walk.swing(k)
     x, y, _, yaw = stance.body
     frame(ax, walk, x, y, **look)
     posture_marks(ax, walk, standard, x, y, yaw)
     standing = [foot for i, foot in enumerate(stance.feet) if i != leg]
-    triangle(ax, standing, LEGS[leg])
+    triangle(ax, standing, LEGS[leg] if leg >= 0 else INK)
     end = walk.body[walk.row(k)]
     body_way(ax, (x, y), (float(end[0]), float(end[1])), walk.steps[k - 1]["g0"])
     for i, foot in enumerate(stance.feet):
         if i != leg:
             foot_mark(ax, foot, i, number=i + 1)
-    ax.plot([stance.feet[leg][0]], [stance.feet[leg][1]], "o", ms=NEW, mfc="white", mec=LEGS[leg], mew=1.1, zorder=5)
-    arrow(ax, stance.feet[leg], landing, color=LEGS[leg], lw=1.4)
-    foot_mark(ax, landing, leg, number=leg + 1)
-    ax.set_title(label or f"step {k}: leg {leg + 1}", fontsize=9, pad=2)
+    if leg >= 0:
+        landing = walk.stance(k).feet[leg]
+        ax.plot([stance.feet[leg][0]], [stance.feet[leg][1]], "o", ms=NEW, mfc="white", mec=LEGS[leg], mew=1.1, zorder=5)
+        arrow(ax, stance.feet[leg], landing, color=LEGS[leg], lw=1.4)
+        foot_mark(ax, landing, leg, number=leg + 1)
+    ax.set_title(label or f"step {k}: {f'leg {leg + 1}' if leg >= 0 else 'shift on four legs'}", fontsize=9, pad=2)
 
 
 def stuck_frame(ax: Axes, walk: Walk, leg: int, label: str) -> None:
@@ -159,8 +160,8 @@ def course_view(
         x, y, _, yaw = walk.stance(k).body
         torso(ax, walk.machine.torso, x, y, yaw, alpha=0.9)
     for k in triangles:
-        leg = walk.steps[k - 1]["swing"][0] - 1
-        triangle(ax, [foot for i, foot in enumerate(walk.stance(k - 1).feet) if i != leg], LEGS[leg])
+        leg = walk.swing(k)
+        triangle(ax, [foot for i, foot in enumerate(walk.stance(k - 1).feet) if i != leg], LEGS[leg] if leg >= 0 else INK)
     ax.plot(walk.body[:, 0], walk.body[:, 1], color=INK, lw=1.1, zorder=4)
     for k in range(len(walk.steps) + 1):
         row = walk.row(k)
@@ -205,8 +206,10 @@ def number_feet(ax: Axes, leg: int, landed: Sequence[tuple[int, Sequence[float]]
 def domain_marks(ax: Axes, walk: Walk, k: int) -> None:
     """D_u of step k: its limits by methods I, II and III, I_u and J_u (H figs. 10 and 12)."""
     standard, posture = walk.posture(k)
-    step = walk.steps[k - 1]
-    leg = standard.body_leg.index(step["swing"][0] - 1)
+    step, swing = walk.steps[k - 1], walk.swing(k)
+    if swing < 0 or step["search_start"] is None:
+        return
+    leg = standard.body_leg.index(swing)
     exits = exits_of(standard, posture)
     g = float(step["g"])
     domain = domain_of(standard, posture.feet, exits, leg, g, True)
@@ -217,7 +220,7 @@ def domain_marks(ax: Axes, walk: Walk, k: int) -> None:
     within = np.array([[domain.refuses(float(x), float(y)) is None for x in xs] for y in ys])
     px, py = np.meshgrid(xs, ys)
     ax_, ay_ = placed(posture, px, py)
-    ax.contourf(ax_, ay_, within.astype(float), levels=[0.5, 1.5], colors=[LEGS[step["swing"][0] - 1]], alpha=0.22, zorder=2.4)
+    ax.contourf(ax_, ay_, within.astype(float), levels=[0.5, 1.5], colors=[LEGS[swing]], alpha=0.22, zorder=2.4)
     corners = [posture.absolute(x, y) for x, y in ((box[0], box[2]), (box[1], box[2]), (box[1], box[3]), (box[0], box[3]))]
     ax.plot(*zip(*corners, corners[0], strict=True), color=INK, lw=0.6, ls=":", zorder=2.5)
     if not IS_FRONT[leg]:

@@ -13,15 +13,26 @@ from numpy.typing import NDArray
 
 from planner.crab.standard import Posture, Standard, posture_of, standard_for
 from planner.machine import Machine, load_machine, machine_from
-from planner.terrain import TerrainMap
 from planner.vocabulary import Gait, Stance
 from sim.scenarios import load_scenario, scenario_from
 
 from ..console import prepare
 from ..headless import RunError, read_run, run
-from . import Recipe
 
 Array = NDArray[Any]
+
+
+class FigureError(ValueError):
+    """A drawing that cannot be made; the message is one clear line."""
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """One walk a drawing needs: a scenario, its ``--set`` settings, and V_z where the robot is to have another, m/s."""
+
+    scenario: str
+    settings: tuple[str, ...] = ()
+    lift_speed: float | None = None
 
 
 @dataclass(frozen=True)
@@ -59,8 +70,12 @@ class Walk:
         row = self.row(k)
         x, y, z, _, _, yaw = (float(v) for v in self.body[row])
         feet = tuple((float(f[0]), float(f[1]), float(f[2])) for f in self.log["feet"][row])
-        last = int(self.steps[k - 1]["swing"][0]) - 1 if k else -1
-        return Stance((x, y, z, yaw), feet, last)
+        return Stance((x, y, z, yaw), feet, self.swing(k) if k else -1)
+
+    def swing(self, k: int) -> int:
+        """The leg of step k (from 1), -1 for a shift on four legs."""
+        legs = self.steps[k - 1]["swing"]
+        return int(legs[0]) - 1 if legs else -1
 
     def standard(self, k: int) -> Standard:
         """The standard walk step k is held against, in its canonical frame."""
@@ -70,17 +85,6 @@ class Walk:
         """The standard walk of step k and the posture it begins in."""
         standard = self.standard(k)
         return standard, posture_of(standard, replace(self.stance(k - 1), quarter_turns=standard.quarter_turns))
-
-    def terrain(self, k: int = 0) -> TerrainMap:
-        """The true ground as a map."""
-        origin = self.ground["origin"]
-        return TerrainMap(
-            self.ground["heights"].astype(np.float64),
-            self.ground["forbidden"],
-            float(self.ground["cell"]),
-            (float(origin[0]), float(origin[1])),
-            self.machine.foot_radius,
-        )
 
     def height_at(self, x: Array, y: Array) -> Array:
         """True ground under points, NaN in holes."""
@@ -122,6 +126,8 @@ def read_walk(directory: Path) -> Walk:
         steps = [json.loads(line) for line in (directory / "steps.jsonl").read_text("utf-8").splitlines()]
     except (OSError, ValueError) as error:
         raise RunError(f"cannot read the run in {directory}: {error}") from None
+    if not steps or "off_standard" not in steps[0]:
+        raise RunError(f"the run in {directory} has no steps to draw, or is of an older version")
     machine = machine_from(summary["robot"])
     gait = scenario_from(summary["scenario"], directory).gait_for(machine)
     return Walk(summary, rows, steps, layers, machine, gait)

@@ -9,8 +9,8 @@ from planner.crab.plan import cruise_speed
 from planner.crab.standard import critical_angle, stroke_length
 from planner.machine import load_machine
 from planner.walk import DT
-from server.figures import FIGURES, FigureError, draw_figure
-from server.figures.walks import Recipe, read_walk, walk_recipe
+from server.figures import FIGURES, draw_figure
+from server.figures.walks import FigureError, Recipe, read_walk, walk_recipe
 from server.headless import run, succeeded
 from sim.scenarios import ScenarioError, load_scenario
 
@@ -158,6 +158,13 @@ def test_the_figure_is_drawn_from_its_run_directory(tmp_path, name):
     assert str(tmp_path / "figure.svg") in lines[0]
 
 
+def test_a_walk_with_foresight_is_drawn_too(tmp_path):
+    pytest.importorskip("matplotlib")
+    run_directory = walk_recipe(Recipe("fig12", ("mode=predictive", "terrain.fraction=0.5", "expect={}")), tmp_path / "run")
+    draw_figure("fig12", tmp_path / "figure.svg", run_directory)
+    assert (tmp_path / "figure.svg").stat().st_size > 20_000
+
+
 @pytest.mark.slow
 def test_fig_16_is_drawn_from_its_sweep(tmp_path):
     pytest.importorskip("matplotlib")
@@ -177,6 +184,8 @@ def test_what_cannot_be_drawn_is_said_in_one_line(tmp_path):
     with pytest.raises(FigureError, match="unknown figure 'fig7'; there are: fig6a"):
         draw_figure("fig7", tmp_path / "figure.svg")
     run_directory = walk_recipe(Recipe("fig6a", ("end={time=20.0}", "expect={}")), tmp_path / "run")
+    with pytest.raises(FigureError, match="fig13 is drawn from a walk over 'river', the run is one over 'flat'"):
+        draw_figure("fig13", tmp_path / "figure.svg", run_directory)
     with pytest.raises(FigureError, match="should end in .svg, .png or .pdf"):
         draw_figure("fig6a", tmp_path / "figure.docx", run_directory)
 
