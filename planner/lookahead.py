@@ -51,14 +51,15 @@ Search = Generator[None, bool | None, Found[S, C]]
 def beam(start: S, options: Callable[[S, int], Iterable[Option[S, C]]], depth: int, width: int) -> Search[S, C]:
     """Look ``depth`` steps ahead, going on from the ``width`` best of each depth; where none goes on, those reached before.
 
-    Pauses after each state looked at.
+    Behind the ways that came farthest stand all first steps, for what they promised. Pauses after each state looked at.
     """
     found = [Branch(choice, state, gain, gain + promise, 1) for choice, state, gain, promise in options(start, 0)]
-    level = ranked(found)[:width]
+    begun = ranked(found)
+    level = begun[:width]
     hurried = yield
     for depth_now in range(1, depth):
         if hurried and level:
-            return Found(level, False)
+            break
         found = []
         for branch in level:
             for _, state, gain, promise in options(branch.state, depth_now):
@@ -66,11 +67,11 @@ def beam(start: S, options: Callable[[S, int], Iterable[Option[S, C]]], depth: i
                 found.append(Branch(branch.first, state, gain, gain + promise, depth_now + 1))
             hurried = (yield) or hurried
             if hurried:
-                return Found(level, False)
-        if not found:
+                break
+        if hurried or not found:
             break
         level = ranked(found)[:width]
-    return Found(level, True)
+    return Found([*level, *begun], not hurried or not level)
 
 
 def rollouts(
