@@ -12,10 +12,11 @@ from .crab.plan import plan_step
 from .crab.standard import standard_stance
 from .machine import Machine
 from .terrain import TerrainMap
+from .trace.ahead import ahead, course_now
 from .trace.curve import TraceError, trace_for
 from .trace.gait import rigid_gait
 from .trace.plan import TraceWalk
-from .vocabulary import Command, Gait, Point, Stance
+from .vocabulary import Command, Gait, Point, Stance, StepPlan, TraceAhead
 from .walk import PlanStep, Think, Thinking
 
 Pose = tuple[float, float, float]  # x, y, yaw
@@ -64,6 +65,16 @@ def start_stance(planner: str, machine: Machine, gait: Gait, crab_angle: float, 
     if planner == "crab":
         return standard_stance(machine, gait, crab_angle, *pose, height_at)
     return square_stance(machine, gait, pose, height_at)
+
+
+def foreseen(think: Think, stance: Stance, running: StepPlan | None) -> TraceAhead | None:
+    """What a trace walker foresees from the last N_k on, for viewers; None for any other brain."""
+    return ahead(think, stance, running) if isinstance(think, TraceWalk) else None
+
+
+def course_of(think: Think, stance: Stance, running: StepPlan | None, body: tuple[float, ...], yaw_length: float) -> float:
+    """s of the body on its trace, m; 0 for a brain without one."""
+    return course_now(stance, running, body, yaw_length) if isinstance(think, TraceWalk) else 0.0
 
 
 def _foreseeing(machine: Machine, gait: Gait, explain: bool) -> Think:

@@ -132,6 +132,25 @@ class Blocked:
     decision: dict[str, Any] | None = None
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class TraceAhead:
+    """What a trace walker foresees, K global prediction: where it will tread and over which s every foothold serves. For viewers.
+
+    A bar is one foothold: its existence segment s1, s2, and the part placed, lifted of it on which the foot is to stand (m of s).
+    ``states`` are the segments of whole states, all their feet in reach: standing, with legs lifted, standing ... in turn; where two
+    that follow each other overlap, the change can be made. ``reached`` short of ``goal`` is a dead end, or the end of what is known.
+    """
+
+    line: tuple[Point, ...]  # the trace ahead: s, x, y
+    footholds: tuple[tuple[Point, ...], ...]  # per leg, planned, in their order
+    bars: tuple[tuple[tuple[float, float, float, float], ...], ...]  # per leg, the present foothold first
+    states: tuple[tuple[float, float], ...]
+    reached: float  # s up to which the walk is sure, m
+    goal: float  # s it was to lead to, m
+    complete: bool
+    reason: str  # why not
+
+
 class Sensing(NamedTuple):
     """What the plant tells Level C once a tick: position monitors, soles, whiskers, posture (H §8 (1))."""
 

@@ -40,7 +40,20 @@ from .clock import WalkingClock
 from .console import EDIT_CELLS_MAX, Edit, World, prepare
 from .door import COOKIE, Door, problem
 from .headless import product_version
-from .messages import BadFrame, HelloFrame, LeaseFrame, Problem, RefusedFrame, SnapshotFrame, read_frame, snapshot_frame
+from .messages import (
+    AheadFrame,
+    BadFrame,
+    DecisionFrame,
+    HelloFrame,
+    LeaseFrame,
+    Problem,
+    RefusedFrame,
+    SnapshotFrame,
+    ahead_frame,
+    decision_frame,
+    read_frame,
+    snapshot_frame,
+)
 from .operator import DEAD_MAN, Operator, Seat, TooFast
 from .runs import FILES, RunRefused, Runs
 
@@ -97,6 +110,10 @@ class Refusal(HTTPException):
 
 def fault(name: str, value: Any, limit: Any, message: str) -> list[dict[str, Any]]:
     return [{"field": name, "value": value, "limit": limit, "message": message}]
+
+
+def as_text(frame: dict[str, Any]) -> str:
+    return json.dumps(frame, separators=(",", ":"))
 
 
 class Pulse:
@@ -157,7 +174,7 @@ class Desk:
         """The newest snapshot as JSON, made once for all pages."""
         key = (self.clock.newest, self.operator.stopped, self.clock.fault)
         if self._text[0] != key:
-            self._text = (key, json.dumps(self.frame(), separators=(",", ":")))
+            self._text = (key, as_text(self.frame()))
         return self._text[1]
 
     async def until(self, done: Any, limit: float) -> bool:
@@ -316,6 +333,16 @@ def _add_console(app: FastAPI, desk: Desk) -> None:
     async def newest() -> JSONResponse:
         """The newest snapshot."""
         return JSONResponse(desk.frame())
+
+    @app.get("/api/v1/console/ahead", tags=tags, response_model=AheadFrame | None)
+    async def ahead() -> JSONResponse:
+        """What a trace walker foresees; null for any other."""
+        return JSONResponse(ahead_frame(clock.newest))
+
+    @app.get("/api/v1/console/decision", tags=tags, response_model=DecisionFrame | None)
+    async def decision() -> JSONResponse:
+        """Why the running step, or why there is none; null while nothing was decided."""
+        return JSONResponse(decision_frame(clock.newest))
 
     @app.put("/api/v1/console/command", tags=tags, status_code=202)
     async def command(body: messages.CommandBody) -> dict[str, Any]:
@@ -506,7 +533,7 @@ def _add_runs(app: FastAPI, desk: Desk) -> None:
 
 
 def _add_sockets(app: FastAPI, desk: Desk) -> None:
-    operator = desk.operator
+    operator, clock = desk.operator, desk.clock
 
     @app.websocket("/drive")
     async def drive(socket: WebSocket) -> None:
@@ -568,6 +595,8 @@ def _add_sockets(app: FastAPI, desk: Desk) -> None:
         """Who drives, what was refused and the newest snapshot, to one socket; a slow one misses snapshots, nobody else does."""
         assert desk.pulse is not None
         told, shown = -1, None
+        foreseen: Any = None
+        decided: Any = None
         try:
             while True:
                 while refused:
@@ -581,6 +610,13 @@ def _add_sockets(app: FastAPI, desk: Desk) -> None:
                 if text is not shown:
                     shown = text
                     await sent(socket, text)
+                    newest = clock.newest
+                    if newest.ahead is not foreseen:
+                        foreseen = newest.ahead
+                        await sent(socket, as_text(ahead_frame(newest) or {"type": "ahead"}))
+                    if newest.decision is not decided:
+                        decided = newest.decision
+                        await sent(socket, as_text(decision_frame(newest) or {"type": "decision"}))
                 await asyncio.sleep(1.0 / SHOW_RATE)
                 if desk.text() is shown and told == operator.revision and not refused:
                     await desk.pulse.wait()

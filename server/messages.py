@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import json
 import math
+from collections import Counter
+from collections.abc import Iterable, Mapping
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -29,6 +31,7 @@ INDEX_MAX = 100_000
 TERRAIN_ACTIONS = ("dig", "raise", "forbid", "clear")
 SHIPPED_NAME = r"^[a-z0-9][a-z0-9_-]{0,63}$"
 DECIMALS = 5  # 0.01 mm on the wire
+REFUSED_SHOWN, CANDIDATES_SHOWN = 200, 8  # of one decision on the wire
 
 Name = Annotated[str, Field(pattern=SHIPPED_NAME)]
 Cell = Annotated[list[Annotated[int, Field(ge=0, le=INDEX_MAX)]], Field(min_length=2, max_length=2)]
@@ -251,8 +254,8 @@ class SnapshotFrame(BaseModel):
                     "feet": [[1.7, 0.5, 0.0], [0.8, 0.5, 0.0], [0.8, -0.5, 0.0], [1.7, -0.5, 0.05]], "contact": [True, True, True, False],
                     "support": [True, True, True, False], "crab_angle_rad": 0.0, "speed_m_s": 0.1, "walked_m_s": 0.1, "speed_max_m_s": 0.15,
                     "turn_rate_rad_s": 0.0, "margin_m": 0.05, "polygon_margin_m": 0.04, "energy_margin_m": 0.02, "step": 12, "swing": [4],
-                    "distance_m": 1.2, "flags": [True, False, False], "paused": False, "rate": 1.0, "late_s": 0.0004, "stopped": False,
-                    "fault": "",
+                    "distance_m": 1.2, "course_m": 0.0, "flags": [True, False, False], "paused": False, "rate": 1.0, "late_s": 0.0004,
+                    "stopped": False, "fault": "",
                 }
             ]
         }
@@ -281,12 +284,55 @@ class SnapshotFrame(BaseModel):
     step: int
     swing: list[int] = Field(description="legs in the air, from 1")
     distance_m: float
+    course_m: float = Field(description="s of the body on its trace (trace planner)")
     flags: list[bool]
     paused: bool
     rate: float
     late_s: float
     stopped: bool
     fault: str = Field(description="last line of the failure that keeps the walk standing; empty otherwise")
+
+
+class AheadFrame(BaseModel):
+    """Server to client on /drive when a trace walker foresees something else; also ``GET /api/v1/console/ahead``. Null without one."""
+
+    model_config = example(
+        type="ahead", line_m=[[0.0, 0.0, 0.0], [0.05, 0.05, 0.0]], footholds_m=[[[0.7, 0.6, 0.0]]], segments_m=[[[0.0, 0.4, 0.0, 0.3]]],
+        states_m=[[0.0, 0.3], [0.0, 0.5], [0.2, 0.5]], reached_m=3.2, goal_m=3.2, complete=True, reason="",
+    )  # fmt: skip
+    type: Literal["ahead"] = "ahead"
+    line_m: list[list[float]] = Field(description="the trace ahead: s, x, y")
+    footholds_m: list[list[list[float]]] = Field(description="planned, per leg, in their order")
+    segments_m: list[list[list[float]]] = Field(description="per leg and foothold: existence segment s1, s2, and where placed and lifted")
+    states_m: list[list[float]] = Field(description="existence segments of whole states: standing, legs lifted, standing ... in turn")
+    reached_m: float = Field(description="s up to which the walk is sure; short of the goal it is a dead end or the end of the known")
+    goal_m: float
+    complete: bool
+    reason: str
+
+
+class DecisionFrame(BaseModel):
+    """Server to client on /drive with every step begun or refused: why this one; also ``GET /api/v1/console/decision``."""
+
+    model_config = example(
+        type="decision", step=12, leg=4, shift_m=[0.0, 0.08], domain_m=[[1.6, 0.3], [1.9, 0.3], [1.9, 0.7]], search_start_m=[1.7, 0.5],
+        landing_m=[1.7, 0.5], refused_m=[[1.72, 0.52]],
+        legs=[{"leg": 4, "agreeing_pairs": 2, "return_m": 0.32, "reason": "", "refused": {}}],
+        search="paper", escape="", candidates=[], notes=[],
+    )  # fmt: skip
+    type: Literal["decision"] = "decision"
+    step: int
+    leg: int | None = Field(description="that swings; null for a four-leg shift or none")
+    shift_m: list[float] | None = Field(description="g0 and g")
+    domain_m: list[list[float]] | None = Field(description="corners of the search domain")
+    search_start_m: list[float] | None
+    landing_m: list[float] | None
+    refused_m: list[list[float]] = Field(description="cells refused on the way to the landing")
+    legs: list[dict[str, Any]] = Field(description="in the order they were tried")
+    search: str = Field(description="paper | back | near | wide in predictive mode")
+    escape: str
+    candidates: list[dict[str, Any]] = Field(description="best first, in predictive mode")
+    notes: list[str]
 
 
 class HelloFrame(BaseModel):
@@ -353,7 +399,7 @@ class Problem(BaseModel):
     errors: list[dict[str, Any]] = []
 
 
-OUTGOING: tuple[type[BaseModel], ...] = (HelloFrame, LeaseFrame, RefusedFrame, SnapshotFrame)
+OUTGOING: tuple[type[BaseModel], ...] = (HelloFrame, LeaseFrame, RefusedFrame, SnapshotFrame, AheadFrame, DecisionFrame)
 
 
 def number(value: float) -> float | None:
@@ -393,10 +439,90 @@ def snapshot_frame(snapshot: Snapshot, *, stopped: bool, fault: str = "") -> dic
         "step": snapshot.step,
         "swing": [leg + 1 for leg in plan.swing] if plan is not None else [],
         "distance_m": number(snapshot.distance),
+        "course_m": number(snapshot.course),
         "flags": list(snapshot.flags),
         "paused": snapshot.paused,
         "rate": snapshot.rate,
         "late_s": number(snapshot.late),
         "stopped": stopped,
         "fault": fault.strip().rsplit("\n", 1)[-1],
+    }
+
+
+def ahead_frame(snapshot: Snapshot) -> dict[str, Any] | None:
+    """What a trace walker foresees, as JSON; None for any other."""
+    ahead = snapshot.ahead
+    if ahead is None:
+        return None
+    return {
+        "type": "ahead",
+        "line_m": _rows(ahead.line),
+        "footholds_m": [_rows(footholds) for footholds in ahead.footholds],
+        "segments_m": [_rows(bars) for bars in ahead.bars],
+        "states_m": _rows(ahead.states),
+        "reached_m": number(ahead.reached),
+        "goal_m": number(ahead.goal),
+        "complete": ahead.complete,
+        "reason": ahead.reason,
+    }
+
+
+def _rows(rows: Iterable[Iterable[float]]) -> list[list[float]]:
+    """Rows of metres for a drawing, in whole millimetres."""
+    return [[round(value, 3) for value in row] for row in rows]
+
+
+def decision_frame(snapshot: Snapshot) -> dict[str, Any] | None:
+    """Why the running step, or why there is none, as JSON; None where nobody keeps it."""
+    told, plan = snapshot.decision, snapshot.plan
+    if told is None:
+        return None
+    stepping = plan is not None and plan.decision is told
+    leg = plan.swing[0] + 1 if plan is not None and stepping and plan.swing else None
+    trials = [_trial(trial) for trial in told.get("legs", ())]
+    refused = [cell for trial in told.get("legs", ()) if trial.get("leg") == leg for cell in trial.get("refused", ())]
+    lookahead = told.get("lookahead") or told
+    return {
+        "type": "decision",
+        "step": snapshot.step,
+        "leg": leg,
+        "shift_m": [number(plan.support_shift), number(plan.shift)] if plan is not None and stepping else None,
+        "domain_m": _rows(told["domain"]) if told.get("domain") else None,
+        "search_start_m": _place(plan.search_start) if plan is not None and stepping else None,
+        "landing_m": _place(plan.landing) if plan is not None and stepping else None,
+        "refused_m": _rows((cell["x"], cell["y"]) for cell in refused[:REFUSED_SHOWN]),
+        "legs": trials,
+        "search": lookahead.get("search", ""),
+        "escape": told.get("escape", ""),
+        "candidates": [_candidate(way) for way in lookahead.get("candidates", ())[:CANDIDATES_SHOWN]],
+        "notes": [str(told["reason"])] if told.get("reason") else [],
+    }
+
+
+def _place(point: Iterable[float] | None) -> list[float] | None:
+    return None if point is None else [round(value, 3) for value in point]
+
+
+def _trial(trial: Mapping[str, Any]) -> dict[str, Any]:
+    """One leg tried: how well it fits the standard walk, and what came of it."""
+    return {
+        "leg": trial["leg"],
+        "agreeing_pairs": trial.get("agreeing_pairs"),
+        "return_m": number(trial.get("return_length", math.nan)),
+        "g0_m": number(trial.get("g0", math.nan)),
+        "g_m": number(trial.get("g", math.nan)),
+        "reason": trial.get("reason", ""),
+        "refused": dict(Counter(cell["reason"] for cell in trial.get("refused", ()))),
+    }
+
+
+def _candidate(way: Mapping[str, Any]) -> dict[str, Any]:
+    """One way on of a lookahead: its first step, its score, and how far it was followed."""
+    return {
+        "leg": way["leg"],
+        "score_m": number(way["score"]),
+        "gain_m": number(way["gain"]),
+        "steps": way["steps"],
+        "margin_m": number(way.get("margin", way.get("inset", math.nan))),
+        "g_m": number(way.get("g", math.nan)),
     }

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from planner.machine import Machine
-from planner.vocabulary import Command, Mode, Point, StepPlan
+from planner.vocabulary import Command, Mode, Point, StepPlan, TraceAhead
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,3 +57,6 @@ class Snapshot:
     paused: bool
     rate: float  # times real time
     late: float  # s, worst lateness of the walking clock in the last second
+    course: float = 0.0  # s of the body on its trace, m (trace planner)
+    ahead: TraceAhead | None = None  # what the trace walker foresees; the same object until it foresees something else
+    decision: Mapping[str, Any] | None = None  # why the running step, or why there is none, where the console keeps it

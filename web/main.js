@@ -15,7 +15,7 @@ const $ = (id) => document.getElementById(id);
 const worker = new Worker("/drive-worker.js", { type: "module" });
 const saved = JSON.parse(localStorage.getItem(STORE) ?? "{}");
 const view = new View($("view"));
-const strips = new Strips($("gait"), $("chart"));
+const strips = new Strips($("gait"), $("chart"), $("segments"));
 
 let newest = null;
 let lease = { held: false, holder: null, stopped: false };
@@ -29,13 +29,14 @@ const keep = (more) => localStorage.setItem(STORE, JSON.stringify(Object.assign(
 
 const stick = new Stick($("stick"), $("knob"), $("turn-slider"), command);
 
+const turns = () => newest !== null && newest.planner_mode !== "naive"; // that one walks straight courses only
+
 function asked({ x, y, turn }) {
   const full = Number($("top-speed-slider").value);
-  const turns = newest?.planner === "trace";
   return {
     crab_angle_rad: x || y ? Math.atan2(y, x) : 0,
     speed_m_s: Math.min(Math.hypot(x, y), 1) * full,
-    turn_rate_rad_s: turns ? turn * TURN_FULL : 0,
+    turn_rate_rad_s: turns() ? turn * TURN_FULL : 0,
   };
 }
 
@@ -188,6 +189,19 @@ strip.checked = saved.strips ?? window.innerWidth > 700;
 const showStrips = () => { document.body.classList.toggle("no-strips", !strip.checked); strips.visible = strip.checked; };
 strip.addEventListener("change", () => { showStrips(); keep({ strips: strip.checked }); });
 showStrips();
+
+// the second strip: margins, or for the trace walker its footholds along s
+
+function showTab() {
+  const tab = newest?.planner === "trace" ? saved.tab ?? "segments" : "margin";
+  document.body.dataset.planner = newest?.planner ?? "";
+  if (document.body.dataset.tab === tab) return;
+  document.body.dataset.tab = tab;
+  for (const button of document.querySelectorAll("[data-tab].tab")) button.setAttribute("aria-pressed", String(button.dataset.tab === tab));
+  strips.draw();
+}
+for (const button of document.querySelectorAll(".tab")) button.addEventListener("click", () => { keep({ tab: button.dataset.tab }); showTab(); });
+
 const help = () => { stick.letGo(); $("help").showModal(); };
 $("help-button").addEventListener("click", help);
 $("help").addEventListener("click", (event) => event.target === $("help") && $("help").close());
@@ -207,6 +221,7 @@ const hear = {
   hello({ frame }) { ours = frame.lease_id; },
   lease({ frame }) { lease = frame; showLease(); },
   refused({ frame }) { if (!frame.reason.startsWith("out of order")) say(plain(frame.reason)); },
+  ahead({ frame }) { strips.segments.foresee(frame); },
   snapshot({ frame }) {
     const first = newest === null;
     newest = frame;
@@ -236,7 +251,8 @@ function showState(s) {
   $("pause").setAttribute("aria-pressed", String(s.paused));
   $("advance").disabled = !s.paused;
   for (const button of $("rate").children) button.setAttribute("aria-checked", String(Number(button.dataset.rate) === s.rate));
-  $("turn-control").hidden = s.planner !== "trace";
+  $("turn-control").hidden = !turns();
+  showTab();
   const why = trouble(s);
   const banner = $("banner");
   const text = why ? why.join("|") : s.paused ? "paused" : "";

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from planner.machine import Machine
 from planner.support import support_polygon
-from planner.vocabulary import Phase, Point, StepPlan
+from planner.vocabulary import Phase, Point, StepPlan, TraceAhead
 from sim.snapshot import Snapshot, TerrainView
 
 from . import ground as earth
@@ -29,6 +29,10 @@ CORNERS = 8  # corners a support polygon can have: as many as a machine can have
 SHADOW_RINGS, SHADOW_CORNERS = 5, 24
 LIFT = 0.03  # m, overlays above the ground: less flickers through it
 COURSE_LENGTH = 1.6  # m of course drawn ahead of the centre of gravity
+RING, RING_CORNERS = 0.038, 10  # m and corners of the ring round a planned foothold
+DEAD_END = 0.16  # m, half the bar across the trace where the way ends
+REFUSED_SHOWN = 200  # cells
+CROSS = 0.016  # m, half the size of the cross on a refused cell
 TRAIL_HZ = 5.0  # trails are sent this often (line geometry is rebuilt on the page)
 MARGIN_GOOD = 0.08  # m, polygon margin drawn fully green
 
@@ -40,6 +44,7 @@ DARK = (4, 6, 10)
 RED = (228, 28, 18)
 GREEN = (0, 178, 84)
 SKY_TOP, SKY_HORIZON, SKY_BELOW = (0.050, 0.066, 0.098), (0.290, 0.335, 0.385), (0.150, 0.175, 0.210)
+PAST_GOAL = (88, 104, 124)
 FOG = (46, 55, 66)
 FOOT_FREE, FOOT_CARRIES, FOOT_SLACK = AMBER, (222, 226, 230), RED
 LEG_COLOURS = (
@@ -48,7 +53,10 @@ LEG_COLOURS = (
 
 CAMERA = (-2.1, -2.5, 1.15)  # m, first look, from the machine's centre of gravity
 LOOK_AT = (0.15, 0.0, -0.40)
-LAYERS = {"Trails": "trails", "Plan": "plan", "Stability": "stability", "Course": "course", "Reach": "reach"}
+LAYERS = {
+    "Trails": "trails", "Plan": "plan", "Search": "search", "Stability": "stability", "Course": "course", "Trace": "trace",
+    "Reach": "reach",
+}  # fmt: skip
 HIDDEN_AT_FIRST = ("Reach",)
 
 
@@ -267,6 +275,7 @@ class Overlay:
     def __init__(self, server: viser.ViserServer, machine: Machine) -> None:
         self.machine = machine
         self._plan: StepPlan | None = None
+        self._ahead: TraceAhead | None = None
         self._seen: dict[str, Any] = {}
         scene = server.scene
         line: dict[str, Any] = {"points": np.zeros((1, 2, 3)), "colors": CYAN}
@@ -281,8 +290,12 @@ class Overlay:
         self.path = scene.add_line_segments("/world/plan/path", np.zeros((1, 2, 3)), AMBER, thickness=0.012)
         self.landing = scene.add_mesh_simple("/world/plan/landing", *disc(0.055, 0.085), color=AMBER, visible=False, **flat)
         self.target = scene.add_mesh_simple("/world/plan/target", *disc(0.0, 0.022), color=AMBER, visible=False, **flat)
-        self.start = scene.add_mesh_simple("/world/plan/start", *disc(0.030, 0.042), color=WHITE, visible=False, **flat)
-        self.domain = scene.add_line_segments("/world/plan/domain", **line, thickness=0.008, visible=False)
+        self.start = scene.add_mesh_simple("/world/search/start", *disc(0.030, 0.042), color=WHITE, visible=False, **flat)
+        self.domain = scene.add_line_segments("/world/search/domain", **line, thickness=0.009, visible=False)
+        self.refused = scene.add_line_segments("/world/search/refused", np.zeros((1, 2, 3)), RED, thickness=0.007, visible=False)
+        plain: dict[str, Any] = {"points": np.zeros((1, 2, 3)), "colors": np.zeros((1, 2, 3), np.uint8), "visible": False}
+        self.trace = scene.add_line_segments("/world/trace/line", **plain, thickness=0.022)
+        self.treads = scene.add_line_segments("/world/trace/footholds", **plain, thickness=0.013)
         self.boxes = scene.add_line_segments("/world/reach/boxes", reach_boxes(machine), (120, 150, 190), thickness=0.008)
         self.strokes = scene.add_line_segments("/world/reach/strokes", np.zeros((1, 2, 3)), (200, 170, 110), thickness=0.010)
         shade = np.zeros(((SHADOW_RINGS + len(machine.legs)) * SHADOW_CORNERS, 3))
@@ -302,7 +315,10 @@ class Overlay:
         changes += self._course(snapshot, ground)
         if snapshot.plan is not self._plan:
             self._plan = snapshot.plan
-            changes += self._intent(snapshot)
+            changes += self._intent(snapshot, ground)
+        if snapshot.ahead is not self._ahead:
+            self._ahead = snapshot.ahead
+            changes += self._foreseen(snapshot, ground)
         changes += self._shade(snapshot, ground)
         changes += self._reach(snapshot)
         changes += self._traces(snapshot, ground)
@@ -329,6 +345,8 @@ class Overlay:
         """The course ahead on the ground, with an arrow head; nothing while nothing is commanded."""
         command = snapshot.command
         x, y, yaw = snapshot.body[0], snapshot.body[1], snapshot.body[5]
+        if snapshot.ahead is not None and snapshot.ahead.line:  # the trace itself is drawn
+            return [(self.course, "visible", False)] if self._is_new("course", None) else []
         if not self._is_new("course", (round(x, 2), round(y, 2), round(yaw, 3), command)):
             return []
         if command.holds:
@@ -339,7 +357,24 @@ class Overlay:
         points = np.dstack([lines, heights]).astype(np.float32)
         return [(self.course, "points", points), (self.course, "visible", True)]
 
-    def _intent(self, snapshot: Snapshot) -> list[Change]:
+    def _foreseen(self, snapshot: Snapshot, ground: GroundTiles) -> list[Change]:
+        """The trace ahead, red where no way is found on it, and the footholds planned on it, each in its leg's colour."""
+        ahead = snapshot.ahead
+        if ahead is None:
+            return [(self.trace, "visible", False), (self.treads, "visible", False)]
+        level = float(np.median([foot[2] for foot in snapshot.feet]))
+        line, colours = trace_lines(ahead)
+        heights = ground.heights(line.reshape(-1, 2), level).reshape(-1, 2, 1)
+        rings = [(x, y, z, leg) for leg, footholds in enumerate(ahead.footholds) for x, y, z in footholds]
+        changes: list[Change] = [(self.trace, "visible", len(line) > 0), (self.treads, "visible", bool(rings))]
+        if len(line):
+            points = np.concatenate([line, heights + LIFT], axis=2).astype(np.float32)
+            changes += [(self.trace, "colors", colours), (self.trace, "points", points)]  # colours first: the page lays lines at new points
+        if rings:
+            changes += [(self.treads, "colors", ring_colours(rings)), (self.treads, "points", foothold_rings(rings))]
+        return changes
+
+    def _intent(self, snapshot: Snapshot, ground: GroundTiles) -> list[Change]:
         """Foot path, foothold J_u, search start I_u and search domain of the running step."""
         plan = snapshot.plan
         stepping = plan is not None and bool(plan.swing)
@@ -356,6 +391,10 @@ class Overlay:
         changes.append((self.domain, "visible", outline is not None))
         if outline is not None:
             changes.append((self.domain, "points", outline))
+        crosses = refused_crosses(plan, ground)
+        changes.append((self.refused, "visible", crosses is not None))
+        if crosses is not None:
+            changes.append((self.refused, "points", crosses))
         return changes
 
     def _shade(self, snapshot: Snapshot, ground: GroundTiles) -> list[Change]:
@@ -417,7 +456,7 @@ class Overlay:
 
     def remove(self) -> None:
         parts = (self.fill, self.outline, self.plumb, self.cog, self.course, self.path, self.landing, self.target, self.start,
-                 self.domain, self.boxes, self.strokes, self.shadow)  # fmt: skip
+                 self.domain, self.refused, self.trace, self.treads, self.boxes, self.strokes, self.shadow)  # fmt: skip
         for handle in parts:
             handle.remove()
         for trail in self.trails:
@@ -567,6 +606,57 @@ def domain_outline(plan: StepPlan | None) -> NDArray[np.float32] | None:
     place = plan.search_start or plan.landing
     z = (place[2] if place else 0.0) + LIFT
     return polyline([(c[0], c[1], z) for c in (*corners, corners[0])])
+
+
+def refused_crosses(plan: StepPlan | None, ground: GroundTiles) -> NDArray[np.float32] | None:
+    """A small cross on every cell refused on the way from I_u to J_u, when the plan's decision tells them."""
+    decision = plan.decision if plan is not None else None
+    if plan is None or not decision or not plan.swing:
+        return None
+    leg = plan.swing[0] + 1
+    cells = [(cell["x"], cell["y"]) for trial in decision.get("legs", ()) if trial.get("leg") == leg for cell in trial.get("refused", ())]
+    if not cells:
+        return None
+    places = np.array(cells[:REFUSED_SHOWN])
+    otherwise = plan.landing[2] if plan.landing is not None else 0.0
+    middles = np.column_stack([places, ground.heights(places, otherwise) + LIFT])
+    arms = CROSS * np.array([[(-1.0, -1.0, 0.0), (1.0, 1.0, 0.0)], [(-1.0, 1.0, 0.0), (1.0, -1.0, 0.0)]])
+    return (middles[:, None, None] + arms[None]).reshape(-1, 2, 3).astype(np.float32)
+
+
+def trace_lines(ahead: TraceAhead) -> tuple[Floats, NDArray[np.uint8]]:
+    """The trace as line pieces (n, 2, 2) with colours (n, 2, 3): cyan as far as the walk is sure, red up to the goal, pale beyond.
+
+    At a dead end a bar lies across it.
+    """
+    table = np.array(ahead.line)
+    if len(table) < 2:
+        return np.zeros((0, 2, 2)), np.zeros((0, 2, 3), np.uint8)
+    s, way = table[:, 0], table[:, 1:]
+    pieces = np.stack([way[:-1], way[1:]], axis=1)
+    middle = (s[:-1] + s[1:]) / 2
+    colours = np.where((middle <= ahead.reached)[:, None], CYAN, np.where((middle <= ahead.goal)[:, None], RED, PAST_GOAL))
+    if not ahead.complete:
+        at = min(int(np.searchsorted(s, ahead.reached)), len(s) - 2)
+        along = way[at + 1] - way[at]
+        across = np.array((-along[1], along[0])) / max(float(np.linalg.norm(along)), 1e-9)
+        pieces = np.concatenate([pieces, [[way[at] - DEAD_END * across, way[at] + DEAD_END * across]]])
+        colours = np.concatenate([colours, [RED]])
+    return pieces, np.repeat(colours.astype(np.uint8)[:, None], 2, axis=1)
+
+
+def foothold_rings(places: Sequence[tuple[float, float, float, int]]) -> NDArray[np.float32]:
+    """A level ring round every (x, y, z, leg), as line pieces."""
+    rim = np.column_stack([circle(RING, RING_CORNERS), np.full(RING_CORNERS, LIFT)])
+    middles = np.array([place[:3] for place in places])
+    start = middles[:, None] + rim
+    return np.stack([start, np.roll(start, -1, axis=1)], axis=2).reshape(-1, 2, 3).astype(np.float32)
+
+
+def ring_colours(places: Sequence[tuple[float, float, float, int]]) -> NDArray[np.uint8]:
+    """The colours of those line pieces: a leg's own."""
+    each = np.array([LEG_COLOURS[place[3]] for place in places], np.uint8)
+    return np.repeat(np.repeat(each, RING_CORNERS, axis=0)[:, None], 2, axis=1)
 
 
 def reach_boxes(machine: Machine) -> NDArray[np.float32]:

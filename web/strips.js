@@ -1,6 +1,7 @@
 // The last seconds as pictures: the gait diagram (who carried when) and both margins over time.
 
 import { legNames } from "./readings.js";
+import { Segments } from "./segments.js";
 
 const WINDOW = 20;    // s shown
 const DRAW = 110;     // ms between drawings
@@ -9,7 +10,9 @@ const MAX_MM = 400;   // mm, margins above this are drawn at the edge
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
 export class Strips {
-  constructor(canvas, chart) {
+  constructor(canvas, chart, segments) {
+    this.segments = new Segments(segments);
+    this.course = 0;
     this.canvas = canvas;
     this.box = chart;
     this.samples = []; // {t, support, contact, margin, polygon}
@@ -20,6 +23,7 @@ export class Strips {
   }
 
   add(s) {
+    this.course = s.course_m;
     const last = this.samples.at(-1);
     if (last && (s.time_s < last.t || s.feet.length !== last.support.length)) this.samples = [];
     if (!last || s.time_s > last.t || !this.samples.length) {
@@ -37,7 +41,8 @@ export class Strips {
     if (!this.samples.length) return;
     const end = this.samples.at(-1).t;
     this.#gait(end);
-    this.#margins(end);
+    if (this.canvas.ownerDocument.body.dataset.tab === "segments") this.segments.draw(this.course);
+    else this.#margins(end);
   }
 
   #gait(end) {

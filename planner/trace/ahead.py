@@ -69,12 +69,15 @@ def _foreseen(known: Prediction, n: int, stance: Stance, machine: Machine, leavi
         for leg in move.legs:
             foot, found = move.after[leg], move.segments[leg]
             if move.before[leg] is not None and bars[leg]:
-                bars[leg][-1] = (*bars[leg][-1][:3], lifted_at)
+                bars[leg][-1] = (*bars[leg][-1][:3], max(bars[leg][-1][2], lifted_at))
             if foot is not None and found is not None:
                 bars[leg].append((*found, move.course, max(found[1], move.course)))
                 footholds[leg].append(foot)
-    states = [_shared([leg_bars[-1 if leg in leaving else 0][:2] for leg, leg_bars in enumerate(bars) if leg_bars], stance.course)]
-    states += [_shared([s for s in move.segments if s is not None], move.course) for move in moves]
+    present = [leg_bars[-1 if leg in leaving else 0][:2] for leg, leg_bars in enumerate(bars) if leg_bars and leg not in stance.lifted]
+    states = [_shared(present, stance.course)]
+    for move in moves:
+        staying = [s for leg, s in enumerate(move.segments) if s is not None and leg not in move.legs]
+        states += [_shared(staying, move.course), _shared([s for s in move.segments if s is not None], move.course)]
     far = min(known.goal + BEYOND * machine.torso[0], offset + known.trace.length)
     return TraceAhead(
         _line(known.trace, stance.course, far, offset),
