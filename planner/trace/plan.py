@@ -243,7 +243,7 @@ def predicting(
         if rigid is None:
             found = yield from search(field, start, goal, count)
         else:
-            found = yield from search_rigid(field, start, goal, limit_wide, _from_next(rigid, stance.last_swing))
+            found = yield from search_rigid(field, start, goal, limit, _from_next(rigid, stance.last_swing))
         looked += found.looked
         if found.farthest > path.farthest or not moves:
             path = found if found.complete else found.to_standing()

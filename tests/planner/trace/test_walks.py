@@ -101,7 +101,7 @@ def test_rigid_gaits_walk_open_ground_in_their_order(name: str) -> None:
 
 
 def test_where_the_rigid_tripod_is_stuck_the_free_gait_walks_on() -> None:
-    terrain, trace = field_of(0.04, 2, HEXAPOD), trace_for({"kind": "sine"}, HEXAPOD)
+    terrain, trace = field_of(0.03, 1, HEXAPOD), trace_for({"kind": "sine"}, HEXAPOD)
     rigid = walk(HEXAPOD, terrain, WALKING, trace, until=8.0, rigid=GAITS["tripod"])
     free = walk(HEXAPOD, terrain, WALKING, trace, until=8.0)
     assert rigid.blocked is not None and rigid.stance.course < 8.0
