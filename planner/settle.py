@@ -7,6 +7,7 @@ which goes to the nearest valid ground in its present reach by its own clock.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -35,6 +36,37 @@ def settle_plan(stance: Stance, leg: int, terrain: TerrainMap, machine: Machine,
     knots: list[Point] = [(foot[0], foot[1], top), (landing[0], landing[1], top), _aim(landing, machine, stance, leg, gait)]
     seconds = ((top - foot[2]) / vertical, moved / across, (top - knots[2][2]) / vertical)
     return body_still_plan(stance, leg, [foot, *knots], seconds, (Phase.UP, Phase.RETURN, Phase.DOWN), landing)
+
+
+def settle_together(stance: Stance, legs: Sequence[int], terrain: TerrainMap, machine: Machine, gait: Gait) -> StepPlan | Blocked:
+    """Set several lifted feet down at once, each on its nearest ground; one without ground stays lifted. Blocked when all are."""
+    if len(legs) == 1:
+        return settle_plan(stance, legs[0], terrain, machine, gait)
+    plans = {leg: plan for leg in legs if isinstance(plan := settle_plan(stance, leg, terrain, machine, gait), StepPlan)}
+    if not plans:
+        return Blocked("no ground within reach to set any lifted foot down", legs[0])
+    stays = tuple(leg for leg in legs if leg not in plans)
+    phases = (Phase.UP, Phase.RETURN, Phase.DOWN)
+    rows, seconds = [list(stance.feet)], []
+    for phase in phases:
+        row, longest = rows[-1].copy(), 0.0
+        for leg, plan in plans.items():
+            if phase in plan.phases:
+                k = plan.phases.index(phase)
+                longest = max(longest, float(plan.times[k + 1] - plan.times[k]))
+                x, y, z = plan.feet[k + 1, leg].tolist()
+                row[leg] = x, y, z
+        rows.append(row)
+        seconds.append(longest)
+    kept = [0, *(k for k, duration in enumerate(seconds, 1) if duration > 0.0)]
+    feet = list(stance.feet)
+    for leg, plan in plans.items():
+        feet[leg] = plan.end.feet[leg]
+    return StepPlan(
+        swing=tuple(plans), times=np.cumsum([0.0, *(seconds[k - 1] for k in kept[1:])]), body=np.array([stance.body] * len(kept)),
+        feet=np.array([rows[k] for k in kept]), phases=tuple(phases[k - 1] for k in kept[1:]),
+        end=replace(stance, feet=tuple(feet), lifted=stays), landing=next(iter(plans.values())).landing,
+    )  # fmt: skip
 
 
 def nearest_ground(stance: Stance, leg: int, terrain: TerrainMap, machine: Machine) -> Point | None:

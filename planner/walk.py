@@ -16,7 +16,7 @@ from dataclasses import replace
 from .emergent import HITS_MAX, KINDS, Encounter, Event, Situation, State, at_top, cell_of, edge_cells, felt_ahead, motion
 from .machine import Machine
 from .reflex import Gains, Playback, ReflexState, holding_plan, reflex
-from .settle import settle_plan
+from .settle import settle_together
 from .terrain import TerrainMap
 from .vocabulary import Blocked, Command, Gait, Mode, Phase, Point, Sensing, Stance, StepPlan
 
@@ -101,7 +101,7 @@ class Walk:
     def carrying(self) -> tuple[bool, ...]:
         """Legs meant to carry: all that do not swing, and swing legs that have landed early."""
         if self.kind == "stand":
-            return (True,) * len(self.machine.legs)
+            return tuple(i not in self.stance.lifted for i in range(len(self.machine.legs)))
         plan = self.plan
         lifted = plan.end.lifted
         in_air = plan.phases[self.playback.stretch(self.t)] not in (Phase.SUPPORT, Phase.SHIFT)
@@ -267,16 +267,16 @@ class Walk:
     _held = 0  # steps running that were cut short for it
 
     def _stop(self, sensing: Sensing, terrain: TerrainMap) -> None:
-        """The body stops in this tick; a foot in the air is set down where it is nearest to ground."""
+        """The body stops in this tick; feet in the air are set down where they are nearest to ground."""
         plan = self.plan
-        airborne = [i for i in plan.swing if not self.reflexes.landed[i]]
-        phase = plan.phases[self.playback.stretch(self.t)]
-        if phase in (Phase.SUPPORT, Phase.SHIFT) or not airborne:
+        on_feet = plan.phases[self.playback.stretch(self.t)] in (Phase.SUPPORT, Phase.SHIFT)
+        airborne = [i for i in plan.swing if (i in self.stance.lifted if on_feet else not self.reflexes.landed[i])]
+        if not airborne:
             self._rest(self._actual(sensing, self._after_settling(sensing)))
             return
         here = self._actual(sensing, plan.end)
         self._forget()
-        settling = settle_plan(here, airborne[0], terrain, self.machine, self.gait)
+        settling = settle_together(here, airborne, terrain, self.machine, self.gait)
         if isinstance(settling, Blocked):
             self._hover(settling)
         else:
@@ -305,12 +305,23 @@ class Walk:
     def _after_settling(self, sensing: Sensing) -> Stance:
         """What the planner should remember after a step that was cut short: who swung last, if anybody did."""
         plan = self._interrupted if self.kind in ("settle", "emergent") else self.plan
+        lifted = self.plan.end.lifted if self.kind == "settle" else ()
         if plan is None or plan.landing is None or not plan.swing:
-            return self.stance
+            return self.stance if self.stance.lifted == lifted else replace(self.stance, lifted=lifted)
         u = plan.swing[0]
         at = self._actual(sensing, plan.end).feet[u]
         finished = math.hypot(at[0] - plan.landing[0], at[1] - plan.landing[1]) <= LANDED_AS_PLANNED
-        return replace(plan.end, last_swing=u if finished else self.stance.last_swing, lifted=())
+        return replace(plan.end, last_swing=u if finished else self.stance.last_swing, lifted=lifted, course=self._course_at(sensing, plan))
+
+    def _course_at(self, sensing: Sensing, plan: StepPlan) -> float:
+        """s where the body stands in a step cut short, m: between its ends by how far it has got."""
+        start, end = plan.body[0], plan.end.body
+        way = math.hypot(end[0] - start[0], end[1] - start[1], self.machine.yaw_length * (end[3] - start[3]))
+        if way < SAME_PLACE:
+            return plan.end.course
+        x, y, yaw = sensing.body[0], sensing.body[1], sensing.body[5]
+        gone = math.hypot(x - start[0], y - start[1], self.machine.yaw_length * (yaw - start[3]))
+        return self.stance.course + min(gone / way, 1.0) * (plan.end.course - self.stance.course)
 
     def _rest(self, stance: Stance, keep_thinking: bool = False) -> None:
         if self.kind in ("settle", "emergent") and self._interrupted is not None:

@@ -1,0 +1,47 @@
+"""Stopping in mid-step with several feet in the air: a hexapod on sparse footholds, driven as an undecided hand would."""
+
+import random
+
+import pytest
+
+from planner.vocabulary import Command
+from server.console import Console, prepare
+from sim.scenarios import scenario_from
+
+LOWEST = -0.12  # m; a foot below has missed its foothold
+
+
+def hexapod(seed: int, fraction: float) -> Console:
+    terrain = {"kind": "footholds", "fraction": fraction}
+    return Console(prepare(scenario_from({"name": "six", "robot": "hexapod", "planner": "trace", "terrain": terrain, "seed": seed}, None)))
+
+
+@pytest.mark.parametrize("seed", (1, 2))
+def test_an_undecided_hand_never_drops_a_hexapod_into_a_hole(seed: int) -> None:
+    console, hand = hexapod(seed, 0.1), random.Random(seed)
+    command, until = Command(), 0
+    for tick in range(1500):
+        if tick >= until:
+            until = tick + hand.randint(10, 150)
+            command = Command(hand.uniform(-3.0, 3.0), hand.choice((0.0, 0.06, 0.12)), hand.choice((0.0, 0.15, -0.15)))
+            command = Command() if hand.random() < 0.35 else command
+        console.order(command)
+        console.tick()
+        assert min(foot[2] for foot in console.plant.feet) > LOWEST
+        assert console.plant.state == "standing"
+    assert console.walk.steps_begun > 5
+
+
+def test_feet_still_in_the_air_when_it_stands_are_not_meant_to_carry() -> None:
+    console = hexapod(1, 0.1)
+    console.order(Command(speed=0.12))
+    while not any(console.walk.plan.phases[console.walk.playback.stretch(console.walk.t)] == phase for phase in (2,)):
+        console.tick()
+    swinging = console.walk.plan.swing
+    console.order(Command())
+    for _ in range(200):
+        console.tick()
+    assert console.walk.kind == "stand" and swinging
+    carrying = console.walk.carrying()
+    assert all(sole for sole, carries in zip(console.plant.soles, carrying, strict=True) if carries)
+    assert all(console.plant.soles[leg] or leg in console.walk.stance.lifted for leg in swinging)
