@@ -85,7 +85,8 @@ class Stance:
 
     ``feet`` are foot tips, in leg order. ``last_swing`` is u of the step before, −1 when none. ``quarter_turns`` is n of
     H table 1, kept for the hysteresis at α_c, −1 when none yet. ``lifted`` are legs that stay in the air across the
-    switch (K only). ``course`` is the distance already walked on the trace.
+    switch (K only). ``course`` is the distance already walked on the trace. ``still``
+    counts the steps since the body last got on (the lookahead's guard against walking on the spot).
     """
 
     body: tuple[float, float, float, float]  # x, y, z, yaw
@@ -94,6 +95,7 @@ class Stance:
     quarter_turns: int = -1
     lifted: tuple[int, ...] = ()
     course: float = 0.0
+    still: int = 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -21,6 +21,8 @@ SMALL = 0.003  # m, the least margin that is asked for; at 0 a millimetre of ser
 SPACING = 0.05  # m between footholds tried; finer maps are read in blocks of this size
 WIDE_MAX = 16  # footholds of one leg and shift that are tried when anything goes
 LEAST = 0.002  # m; a step with less margin is taken only where there is no other: the CoG would balance on an edge
+ON_THE_SPOT = 0.01  # m; a step that takes the body less far does not get on
+STILL_MAX = 4  # steps on the spot in a row; the next one must get on
 INSET = 0.005  # m inside a triangle's edges: where a sway ends
 
 
@@ -48,12 +50,21 @@ class Field:
         self.here = Ahead(standard, posture, stance, terrain, machine, gait)
         self.start = State(posture, None if self.here.is_level else stance)
         self.least = min(LEAST, standard.margin)  # m, the margin every step considered must have
+        self.must_get_on = stance.still >= STILL_MAX
 
     def daring(self) -> Field:
         """The same with steps on the very edge."""
         other = copy(self)
         other.least = 0.0
         return other
+
+    def permits(self, state: State, choice: Step | Sway) -> bool:
+        """False for one more first step on the spot when there have been enough: each leads to a better next one, for ever."""
+        return not (self.must_get_on and state is self.start) or self.way(choice) >= ON_THE_SPOT
+
+    def way(self, choice: Step | Sway) -> float:
+        """How far the body gets on along the course, m."""
+        return choice.g if isinstance(choice, Step) else choice.x * self.standard.ux + choice.y * self.standard.uy
 
     def ahead(self, state: State) -> Ahead | None:
         """Heights around a state; None where there are none to mind."""

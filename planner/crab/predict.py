@@ -87,7 +87,7 @@ def choice_of(search: str, found: Ahead, horizon: int) -> Choice:
 def _back_to_standard(field: Field) -> Work:
     """Open ground: whatever first step the paper's own policy walks on from best, margins counted dear."""
     start = field.start
-    gain = gain_with(field.standard, BACK_CARE)
+    gain = gain_with(field, BACK_CARE)
     margins = (field.standard.margin, min(SMALL, field.standard.margin))
     choices: list[Chosen] = [*near_steps(field, start, margins, 3), *wide_steps(field, start), *sways(field, start)]
     found: Ahead = yield from rollouts(_options(field, start, choices, gain, 0.0), policy_with(field, gain), BACK_STEPS)
@@ -97,12 +97,14 @@ def _back_to_standard(field: Field) -> Work:
 def look_near(field: Field) -> Work:
     """Broken ground: steps near the paper's, several deep; what the footholds still hold is worth as much as way made."""
     standard = field.standard
-    gain = gain_with(standard, CARE)
+    gain = gain_with(field, CARE)
     least = min(SMALL, standard.margin)
 
     def options(state: State, depth: int) -> Iterator[Option[State, Chosen]]:
         margins = (standard.margin, least) if depth < TWO_MARGINS else (least,)
         for step in near_steps(field, state, margins, PER_SHIFT):
+            if not field.permits(state, step):
+                continue
             reached = field.after(state, step)
             yield Option(step, reached, gain(step), reserve(standard, reached.posture))
 
@@ -112,7 +114,7 @@ def look_near(field: Field) -> Work:
 
 def _wide(field: Field) -> Work:
     """Where the standard order has come to an end: any foothold in reach, followed by the paper's policy; then two of them."""
-    start, gain = field.start, gain_with(field.standard, CARE)
+    start, gain = field.start, gain_with(field, CARE)
     policy = policy_with(field, gain)
     choices: list[Chosen] = [*wide_steps(field, start), *sways(field, start)]
     glanced: Ahead = yield from rollouts(_options(field, start, choices, gain, 0.5), policy, GLANCE)
@@ -136,16 +138,18 @@ def _options(
 ) -> Iterator[tuple[Option[State, Chosen], Chosen]]:
     """Choices with where they lead; ``hope`` is the share of the reserve that counts as promised."""
     for choice in choices:
+        if not field.permits(state, choice):
+            continue
         reached = field.after(state, choice)
         yield Option(choice, reached, gain(choice), hope * reserve(field.standard, reached.posture) if hope else 0.0), choice
 
 
-def gain_with(standard: Standard, care: float) -> Callable[[Chosen], float]:
+def gain_with(field: Field, care: float) -> Callable[[Chosen], float]:
     """Way along the course, less ``care`` times the margin that is missing to s0."""
-    s0, ux, uy = standard.margin, standard.ux, standard.uy
+    s0 = field.standard.margin
 
     def gain(choice: Chosen) -> float:
-        way = choice.g if isinstance(choice, Step) else choice.x * ux + choice.y * uy
+        way = field.way(choice)
         return way - care * (s0 - choice.margin) if choice.margin < s0 else way
 
     return gain

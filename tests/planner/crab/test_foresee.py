@@ -101,7 +101,7 @@ def river(width, at=0.9):
 
 def test_a_river_as_wide_as_the_stride_less_one_cell_is_crossed():
     """Both front feet stand half a cell from the bank: a stride of 0.5 m reaches over 0.45 m."""
-    plans = walk(command(0), 28, river(0.45, at=1.0))
+    plans = walk(command(0), 40, river(0.45, at=1.0))
     assert all(isinstance(plan, StepPlan) for plan in plans)
     assert plans[-1].end.body[0] > 2.2
 

@@ -1,0 +1,215 @@
+"""Mode ``predictive`` beside ``paper``: from random postures, over random prohibited cells, over rivers, over every kind of ground.
+
+Run: python -m tests.sweeps.foresight postures|cells|rivers|grounds [--count N]. The results are kept in docs/predictive.md.
+One process, no simulation but for ``grounds``: plans are chained, each from the stance the one before ends in.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import statistics
+import time
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from planner.crab.foresee import at_once
+from planner.crab.plan import plan_step
+from planner.crab.standard import standard_for, standard_stance
+from planner.machine import load_machine
+from planner.support import polygon_margin, support_polygon
+from planner.terrain import TerrainMap
+from planner.vocabulary import Blocked, Command, Gait, Stance, StepPlan
+from server.headless import run
+from sim.scenarios import load_scenario
+
+TITAN = load_machine("titan3")
+CELL = 0.05  # m
+LOWER = 0.001  # m below s0 that still counts as s0
+STILL = 0.001  # m; a step in which the body goes less has g near 0
+STEPS_BACK, STEPS_AFTER = 60, 12  # steps given to find the standard walk, and to keep it
+ANGLES = (0, 20, 45, 90, 150)  # degrees
+FRACTIONS = (0.3, 0.5, 0.8)
+FIRST_SEED = 9000  # not used for tuning
+KINDS = ("slope", "rough", "stairs", "block", "river", "holes", "footholds", "poles", "gap", "pit", "stepping_stones", "wave")
+
+Planner = Callable[[Stance, Command, TerrainMap, Gait], StepPlan | Blocked]
+MODES: dict[str, Planner] = {
+    "paper": lambda stance, command, terrain, gait: plan_step(stance, command, terrain, TITAN, gait),
+    "predictive": lambda stance, command, terrain, gait: at_once(stance, command, terrain, TITAN, gait),
+}
+
+
+def gait_of(duty_factor: float = 0.8) -> Gait:
+    return Gait(duty_factor, TITAN.lift_up, TITAN.lift_down, TITAN.height)
+
+
+def level(forbidden: np.ndarray, span: float) -> TerrainMap:
+    return TerrainMap(np.zeros(forbidden.shape), forbidden, CELL, (-span / 2, -span / 2))
+
+
+def plans(mode: str, stance: Stance, command: Command, terrain: TerrainMap, gait: Gait) -> Iterator[tuple[StepPlan | Blocked, float]]:
+    """Steps from a stance on, with the seconds of processor time each took to plan; ends with the first ``Blocked``."""
+    while True:
+        began = time.process_time()
+        plan = MODES[mode](stance, command, terrain, gait)
+        yield plan, time.process_time() - began
+        if isinstance(plan, Blocked):
+            return
+        stance = plan.end
+
+
+def postures(count: int) -> None:
+    """Reachable, statically stable postures on open ground, any α, β in [0.75, 0.9]: steps until every margin is s0."""
+    span = 40.0
+    terrain = level(np.zeros((800, 800), dtype=bool), span)
+    print("| mode | postures | reach the standard walk | within 16 steps | median | 95 % | most | longest run with g = 0 |")
+    print("|---|---|---|---|---|---|---|---|")
+    for mode in MODES:
+        rng = np.random.default_rng(FIRST_SEED)
+        taken, still_most = [], 0
+        for _ in range(count):
+            gait, command = gait_of(rng.uniform(0.75, 0.9)), Command(rng.uniform(-math.pi, math.pi), 0.08)
+            steps, still = steps_to_standard(mode, random_stance(rng), command, terrain, gait)
+            taken.append(steps)
+            still_most = max(still_most, still)
+        came = sorted(steps for steps in taken if steps is not None)
+        soon = sum(steps <= 16 for steps in came) / count
+        figures = [came[len(came) // 2], came[min(len(came) - 1, math.ceil(0.95 * len(came)))], came[-1]]
+        row = [mode, count, f"{len(came) / count:.2%}", f"{soon:.2%}", *figures, still_most]
+        print("| " + " | ".join(map(str, row)) + " |", flush=True)
+
+
+def random_stance(rng: np.random.Generator) -> Stance:
+    """Feet anywhere in their reach such that the machine stands; nobody remembers who swung last."""
+    while True:
+        feet = tuple((rng.uniform(*leg.x), rng.uniform(*leg.y), 0.0) for leg in TITAN.legs)
+        if polygon_margin(support_polygon(feet), 0.0, 0.0) >= 0.0:
+            return Stance((0.0, 0.0, TITAN.height, 0.0), feet)
+
+
+def steps_to_standard(mode: str, stance: Stance, command: Command, terrain: TerrainMap, gait: Gait) -> tuple[int | None, int]:
+    """Steps before every margin is s0, None for never; and the longest run of steps in which the body stood still."""
+    good = still = still_most = 0
+    for index, (plan, _) in enumerate(plans(mode, stance, command, terrain, gait)):
+        if isinstance(plan, Blocked):
+            return None, still_most
+        still = still + 1 if plan.shift < STILL else 0
+        still_most = max(still_most, still)
+        standard = plan.swing and plan.margin_min >= plan.standard_margin - LOWER and plan.shift > STILL
+        good = good + 1 if standard else 0
+        if good == STEPS_AFTER:
+            return index + 1 - good, still_most
+        if index == STEPS_BACK + STEPS_AFTER:
+            break
+    return None, still_most
+
+
+def cells(count: int) -> None:
+    """A fraction of 5 cm cells prohibited at random: way per step against level open ground, 100 steps a walk."""
+    angles = " | ".join(f"{angle}°" for angle in ANGLES)
+    print(f"| prohibited | mode | {angles} | mean | worst walk | least margin, mm | stuck | planning, ms: median, 95 % |")
+    print("|---" * (len(ANGLES) + 7) + "|")
+    for fraction in FRACTIONS:
+        for mode in MODES:
+            shares: dict[int, list[float]] = {angle: [] for angle in ANGLES}
+            seconds: list[float] = []
+            margin, stuck = math.inf, 0
+            for angle in ANGLES:
+                for seed in range(FIRST_SEED, FIRST_SEED + count):
+                    share, least, ended, times = cell_walk(mode, angle, fraction, seed)
+                    shares[angle].append(share)
+                    margin, stuck = min(margin, least), stuck + ended
+                    seconds += times
+            means = [statistics.mean(shares[angle]) for angle in ANGLES]
+            every = [share for walks in shares.values() for share in walks]
+            clock = f"{1e3 * statistics.median(seconds):.2f}, {1e3 * float(np.percentile(seconds, 95)):.1f}"
+            row = [f"{fraction:.0%}", mode, *(f"{mean:.1%}" for mean in means), f"**{statistics.mean(every):.1%}**", f"{min(every):.1%}"]
+            print("| " + " | ".join([*row, f"{1e3 * margin:.1f}", str(stuck), clock]) + " |", flush=True)
+
+
+def cell_walk(mode: str, degrees: float, fraction: float, seed: int, steps: int = 100) -> tuple[float, float, int, list[float]]:
+    """Share of the standard way, least planned margin, 1 when it got stuck, and the seconds of each plan."""
+    span, gait, command = 44.0, gait_of(), Command(math.radians(degrees), 0.08)
+    stance = standard_stance(TITAN, gait, command.crab_angle, 0.0, 0.0, 0.0, lambda x, y: 0.0)
+    forbidden = np.random.default_rng(seed).random((round(span / CELL),) * 2) < fraction
+    for x, y, _ in stance.feet:
+        forbidden[math.floor((y + span / 2) / CELL), math.floor((x + span / 2) / CELL)] = False
+    terrain, way, margin, seconds = level(forbidden, span), 0.0, math.inf, []
+    ux, uy = math.cos(command.crab_angle), math.sin(command.crab_angle)
+    standard = standard_for(TITAN, gait, command.crab_angle)
+    stuck = 0
+    for index, (plan, took) in enumerate(plans(mode, stance, command, terrain, gait)):
+        seconds.append(took)
+        if isinstance(plan, Blocked):
+            stuck = 1
+            break
+        assert not plan.swing or plan.landing is None or terrain.allows(*plan.landing[:2])
+        way = plan.end.body[0] * ux + plan.end.body[1] * uy
+        margin = min(margin, plan.margin_min)
+        if index + 1 == steps:
+            break
+    return way / steps / (standard.stride / (4 * gait.duty_factor)), margin, stuck, seconds
+
+
+def rivers(count: int) -> None:
+    """Bottomless strips across the way, at ``count`` places each: how many are crossed."""
+    print("| width, m | course | paper | predictive |")
+    print("|---|---|---|---|")
+    for width in (0.2, 0.3, 0.35, 0.4, 0.45, 0.5):
+        for degrees in (0, 20, 90):
+            crossed = [sum(crosses(mode, width, 0.9 + 0.5 * k / count, degrees) for k in range(count)) for mode in MODES]
+            print(f"| {width} | {degrees}° | {crossed[0]} of {count} | {crossed[1]} of {count} |", flush=True)
+
+
+def crosses(mode: str, width: float, at: float, degrees: float) -> bool:
+    span, gait, command = 12.0, gait_of(), Command(math.radians(degrees), 0.08)
+    middle = -span / 2 + (np.arange(round(span / CELL)) + 0.5) * CELL
+    wet = np.broadcast_to((middle > at) & (middle < at + width), (middle.size, middle.size))
+    terrain = level((wet.T if degrees == 90 else wet).copy(), span)
+    stance = standard_stance(TITAN, gait, command.crab_angle, 0.0, 0.0, 0.0, lambda x, y: 0.0)
+    for index, (plan, _) in enumerate(plans(mode, stance, command, terrain, gait)):
+        if isinstance(plan, Blocked) or index == 60:
+            return False
+        if plan.end.body[1 if degrees == 90 else 0] > at + width + 1.0:
+            return True
+    return False
+
+
+def grounds(count: int) -> None:
+    """Every generated kind at difficulty 0.8, simulated: walks of 4 m that come to their end with nothing amiss."""
+    print("| kind | paper | predictive | what ended the others (predictive) |")
+    print("|---|---|---|---|")
+    for kind in KINDS:
+        good, why = [], {}
+        for mode in MODES:
+            fine = 0
+            for seed in range(FIRST_SEED, FIRST_SEED + count):
+                settings = [f"mode={mode}", f'terrain={{kind="{kind}", difficulty=0.8}}', f"seed={seed}", "end={time=240.0, distance=4.0}"]
+                summary = run(load_scenario("flat", [*settings, "expect={}", "drive=[{t=0.0, speed=0.06}]"]))
+                amiss = summary["falls"] or summary["forbidden_steps"] or (summary["margin_min"] or 0.0) < -LOWER
+                if summary["distance"] >= 3.99 and not amiss:
+                    fine += 1
+                elif mode == "predictive":
+                    reason = "fell" if summary["falls"] else "margin" if amiss else summary["reason"][:60]
+                    why[reason] = why.get(reason, 0) + 1
+            good.append(fine)
+        reasons = "; ".join(f"{n} x {reason}" for reason, n in sorted(why.items(), key=lambda item: -item[1])[:3])
+        print(f"| {kind} | {good[0]} of {count} | {good[1]} of {count} | {reasons} |", flush=True)
+
+
+SWEEPS = {"postures": (postures, 10_000), "cells": (cells, 10), "rivers": (rivers, 10), "grounds": (grounds, 50)}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("sweep", choices=SWEEPS)
+    parser.add_argument("--count", type=int, help="postures, seeds or places")
+    given = parser.parse_args()
+    sweep, count = SWEEPS[given.sweep]
+    sweep(given.count or count)
+
+
+if __name__ == "__main__":
+    main()
