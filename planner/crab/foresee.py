@@ -12,13 +12,12 @@ import numpy as np
 from ..machine import Machine
 from ..terrain import TerrainMap
 from ..vocabulary import Blocked, Command, Gait, Phase, Stance, StepPlan
-from .choices import Field, Sway
+from .choices import ON_THE_SPOT, Field, Sway
 from .escape import blocked, field_of, way_out
 from .plan import build, cruise_speed
-from .predict import Choice, Chosen, Ways, choose, standard_way
+from .predict import STUCK, Choice, Chosen, Ways, choose, standard_way
 from .xy import Notes, Step, decide
 
-STUCK = 0.1  # of the standard way: a course that gets on less than this a step is given up
 LEFT = 0.03  # m; without a way out it still goes on by as much as this
 WAYS_TOLD = 24  # candidates kept in a decision trace
 FINISHED_MAX = 12  # ways tried until the body, too, passes over the ground
@@ -77,8 +76,15 @@ def first_that_passes(field: Field, stance: Stance, ways: Ways, command: Command
     for way in ways[:FINISHED_MAX]:
         answer = finished(field, stance, way.first, command, notes)
         if isinstance(answer, StepPlan):
-            return answer
+            still = stance.still + 1 if _way(stance, answer.end, command) < ON_THE_SPOT else 0
+            return replace(answer, end=replace(answer.end, still=still)) if still else answer
     return answer
+
+
+def _way(stance: Stance, end: Stance, command: Command) -> float:
+    """How far the body gets on along the commanded course, m."""
+    course = stance.body[3] + command.crab_angle
+    return (end.body[0] - stance.body[0]) * math.cos(course) + (end.body[1] - stance.body[1]) * math.sin(course)
 
 
 def finished(field: Field, stance: Stance, choice: Chosen, command: Command, notes: Notes | None) -> StepPlan | Blocked:
