@@ -494,7 +494,7 @@ def decision_frame(snapshot: Snapshot) -> dict[str, Any] | None:
         "legs": trials,
         "search": lookahead.get("search", ""),
         "escape": told.get("escape", ""),
-        "candidates": [_candidate(way) for way in lookahead.get("candidates", ())[:CANDIDATES_SHOWN]],
+        "candidates": _candidates(lookahead.get("candidates", ())),
         "notes": [str(told["reason"])] if told.get("reason") else [],
     }
 
@@ -514,6 +514,15 @@ def _trial(trial: Mapping[str, Any]) -> dict[str, Any]:
         "reason": trial.get("reason", ""),
         "refused": dict(Counter(cell["reason"] for cell in trial.get("refused", ()))),
     }
+
+
+def _candidates(ways: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """The best ways on, those that differ."""
+    seen: dict[tuple[Any, ...], dict[str, Any]] = {}
+    for way in ways:
+        told = _candidate(way)
+        seen.setdefault((told["leg"], round(told["score_m"] or 0.0, 3), told["steps"]), told)
+    return list(seen.values())[:CANDIDATES_SHOWN]
 
 
 def _candidate(way: Mapping[str, Any]) -> dict[str, Any]:

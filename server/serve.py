@@ -155,7 +155,7 @@ def serve(
     """Serve the console until a signal ends it; raises ``ServeError``, or what a bad scenario or robot raises."""
     check_token(host, token)
     world = prepare(load_scenario(scenario, [] if robot is None else [f"robot={_quoted(robot)}"]))
-    clock = WalkingClock(Console(world))
+    clock = WalkingClock(Console(world, explain=True))  # for the page's inspector; a tick takes no longer for it
     listening = listen(host, port)
     try:
         canvas = Canvas()

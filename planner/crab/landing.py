@@ -192,7 +192,13 @@ def stroke_in(standard: Standard, domain: Domain, g: float) -> tuple[float, floa
 
 
 def nearest_in(domain: Domain, x: float, y: float) -> XY | None:
-    """The point of D_u nearest to (x, y), the hyperbola of method I left out (``refuses`` still knows it); None if D_u is empty."""
+    """The point of D_u nearest to (x, y), as far as D_u has straight sides (``corners_of``); None if D_u is empty."""
+    corners = corners_of(domain)
+    return _nearest(corners, x, y) if corners else None
+
+
+def corners_of(domain: Domain) -> list[XY]:
+    """D_u as a polygon, the hyperbola of method I left out (``refuses`` still knows it); empty when D_u is."""
     x1, x2, y1, y2 = domain.box
     corners = [(x1, y1), (x2, y1), (x2, y2), (x1, y2)]
     side = 1.0 if domain.left else -1.0
@@ -202,7 +208,7 @@ def nearest_in(domain: Domain, x: float, y: float) -> XY | None:
             if math.isfinite(bound):  # sign·(D_X - bound) >= 0, multiplied by the spread, whose sign is that of side
                 a, b = sign * -domain.f_across, sign * (domain.f_along - bound)
                 corners = _clipped(corners, a * domain.ux - b * domain.uy, a * domain.uy + b * domain.ux, sign * bound * domain.f_across)
-    return _nearest(corners, x, y) if corners else None
+    return corners
 
 
 def _clipped(corners: list[XY], a: float, b: float, c: float) -> list[XY]:

@@ -12,10 +12,10 @@ from ..machine import Machine
 from ..terrain import TerrainMap
 from ..vocabulary import Array, Blocked, Command, Gait, Point, Stance, StepPlan
 from .height import CLEARANCE, body_height, ground_ahead, height_range, torso_needs, torso_needs_exactly
-from .landing import Landing, ground_of
+from .landing import Landing, corners_of, domain_of, ground_of
 from .standard import LEAN, Posture, Standard, posture_of, standard_for
 from .trajectory import Knot, Swing, Timing, knots, speed_limit, timing
-from .xy import Notes, Shift, Step, decide
+from .xy import Notes, Shift, Step, decide, exits_of
 
 LEVEL = 0.005  # m; feet this close to the height of level ground stand on it: no height to plan
 
@@ -155,6 +155,8 @@ def build(
     feet[leg] = landing
     start_x, start_y = posture.absolute(*step.start)
     times, body, paths = _arrays(rows, stance.feet, leg, yaw)
+    if notes is not None:
+        notes["domain"] = searched(standard, posture, step)
     return StepPlan(
         swing=(leg,),
         times=times,
@@ -186,6 +188,15 @@ def lift(foot: Point, landing: Point, crest: float, ceiling: float, height: floa
     lowest = height + machine.z_range[0] - machine.overreach[2]
     aim = max(landing[2] + gait.lift_up - gait.lift_down, min(lowest, landing[2]))
     return foot, (foot[0], foot[1], top), (landing[0], landing[1], over), (landing[0], landing[1], aim)
+
+
+def searched(standard: Standard, posture: Posture, step: Step) -> list[list[float]]:
+    """Corners of D_u in the absolute frame, for the decision trace; the leg's whole reach where a lookahead went beyond D_u."""
+    domain = domain_of(standard, posture.feet, exits_of(standard, posture), step.leg, step.g, step.convergent)
+    x1, x2, y1, y2 = domain.box
+    reach = [(x1, y1), (x2, y1), (x2, y2), (x1, y2)]
+    corners = corners_of(domain) if domain.refuses(step.landing.x, step.landing.y) is None else reach
+    return [list(posture.absolute(x, y)) for x, y in corners]
 
 
 def _clock(
