@@ -495,8 +495,16 @@ def decision_frame(snapshot: Snapshot) -> dict[str, Any] | None:
         "search": lookahead.get("search", ""),
         "escape": told.get("escape", ""),
         "candidates": _candidates(lookahead.get("candidates", ())),
-        "notes": [str(told["reason"])] if told.get("reason") else [],
+        "notes": _notes(told),
     }
+
+
+def _notes(told: Mapping[str, Any]) -> list[str]:
+    """What a trace walker says of its prediction."""
+    if "states_met" not in told:
+        return []
+    sure = f"sure up to s = {told['reached_m']:.2f} m of {told['goal_m']:.2f} m"
+    return [f"{told['states_met']} states met; {sure}", *([str(told["reason"])] if told["reason"] else [])]
 
 
 def _place(point: Iterable[float] | None) -> list[float] | None:

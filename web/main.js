@@ -4,6 +4,7 @@ import { drawTicks, show, trouble, degrees } from "./readings.js";
 import { Stick, isDrivingKey } from "./stick.js";
 import { Strips } from "./strips.js";
 import { View } from "./view.js";
+import { Why } from "./why.js";
 
 const ALIVE = 100;          // ms between signs of life to the worker
 const TURN_FULL = 0.15;     // rad/s at full turn
@@ -16,6 +17,7 @@ const worker = new Worker("/drive-worker.js", { type: "module" });
 const saved = JSON.parse(localStorage.getItem(STORE) ?? "{}");
 const view = new View($("view"));
 const strips = new Strips($("gait"), $("chart"), $("segments"));
+const why = new Why($("why"));
 
 let newest = null;
 let lease = { held: false, holder: null, stopped: false };
@@ -221,6 +223,7 @@ const hear = {
   hello({ frame }) { ours = frame.lease_id; },
   lease({ frame }) { lease = frame; showLease(); },
   refused({ frame }) { if (!frame.reason.startsWith("out of order")) say(plain(frame.reason)); },
+  decision({ frame }) { why.tell(frame, newest?.feet.length ?? 4); },
   ahead({ frame }) { strips.segments.foresee(frame); },
   snapshot({ frame }) {
     const first = newest === null;
@@ -253,16 +256,16 @@ function showState(s) {
   for (const button of $("rate").children) button.setAttribute("aria-checked", String(Number(button.dataset.rate) === s.rate));
   $("turn-control").hidden = !turns();
   showTab();
-  const why = trouble(s);
+  const wrong = trouble(s);
   const banner = $("banner");
-  const text = why ? why.join("|") : s.paused ? "paused" : "";
+  const text = wrong ? wrong.join("|") : s.paused ? "paused" : "";
   if (banner.dataset.text === text) return;
   banner.dataset.text = text;
   banner.hidden = !text;
-  banner.dataset.tone = why ? why[0] : "quiet";
+  banner.dataset.tone = wrong ? wrong[0] : "quiet";
   const [title, detail] = [document.createElement("strong"), document.createElement("span")];
-  title.textContent = why ? why[1] : "Paused";
-  detail.textContent = why ? why[2] : "";
+  title.textContent = wrong ? wrong[1] : "Paused";
+  detail.textContent = wrong ? wrong[2] : "";
   banner.replaceChildren(title, detail);
 }
 
