@@ -77,6 +77,14 @@ class Machine:
         return tuple(leg.box for leg in self.legs)
 
     @cached_property
+    def hips(self) -> tuple[tuple[float, float], ...]:
+        """Where each leg leaves the torso: the point of its outline nearest to the middle of the leg's reach."""
+        half_length, half_width = self.torso[0] / 2, self.torso[1] / 2
+        return tuple(
+            (max(-half_length, min(half_length, x)), max(-half_width, min(half_width, y))) for x, y in (leg.centre for leg in self.legs)
+        )
+
+    @cached_property
     def reach(self) -> Reach:
         """H's symmetric box; raises ``MachineError`` when this machine does not have one (the crab planner needs it)."""
         if len(self.legs) != CRAB_LEGS:

@@ -449,8 +449,8 @@ class Walk:
         if ahead is None:
             return None
         foot, bearing = feet_absolute(sensing)[leg], ahead + yaw
-        reach = self.machine.foot_radius + WHISKER_TIP
-        shown = terrain.crest_between(foot[0], foot[1], foot[0] + reach * math.cos(bearing), foot[1] + reach * math.sin(bearing))
+        reach = self.machine.foot_radius + WHISKER_TIP + terrain.cell
+        shown = terrain.crest_in(foot[0] - reach, foot[0] + reach, foot[1] - reach, foot[1] + reach)
         return None if shown > foot[2] else bearing
 
     def _felt_towards(self, encounter: Encounter, sensing: Sensing) -> float | None:

@@ -50,7 +50,10 @@ def run(
         pass
     summary = summarise(console, recorder, scenario, result, reason)
     if out is not None:
-        recorder.write(out, summary)
+        try:
+            recorder.write(out, summary)
+        except OSError as error:
+            raise RunError(f"cannot write the run directory {str(out)!r}: {error.strerror}") from None
     return summary
 
 

@@ -58,7 +58,7 @@ class World:
         self.whisker = machine.foot_radius + WHISKER
         self._foot_patches = _patches(self.obstacles, self.whisker)
         self._body_patches = _patches(self.obstacles, _extent(machine))
-        self._hips = tuple(_hip(machine, leg) for leg in range(len(machine.legs)))
+        self._hips = machine.hips
         self._slide: _Slide | None = None
 
     def near(self, x: float, y: float) -> bool:
@@ -196,12 +196,6 @@ def _shape(body: pymunk.Body, obstacle: Obstacle) -> pymunk.Shape:
 def _rectangle(length: float, width: float) -> list[tuple[float, float]]:
     a, b = length / 2, width / 2
     return [(a, b), (-a, b), (-a, -b), (a, -b)]
-
-
-def _hip(machine: Machine, leg: int) -> tuple[float, float]:
-    """Where a leg leaves the torso: the point of its outline nearest to the middle of the leg's reach."""
-    (x, y), (length, width, _) = machine.legs[leg].centre, machine.torso
-    return max(-length / 2, min(length / 2, x)), max(-width / 2, min(width / 2, y))
 
 
 def _extent(machine: Machine) -> float:
