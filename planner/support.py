@@ -15,6 +15,7 @@ Polygon = tuple[XY, ...]
 MARGIN_SLACK = 0.001  # m; a margin counts as non-negative when it is >= -1 mm
 TIP_SLACK = 0.005  # m; the simulated machine starts to tip when its centre of gravity is this far outside
 GRAVITY = 9.81  # m/s²
+OVER = 1e-6  # rad; a window of angles that ended this little ago still counts: rounding
 
 
 def support_polygon(points: Iterable[Sequence[float]]) -> Polygon:
@@ -71,6 +72,47 @@ def stable_interval(polygon: Polygon, x: float, y: float, ux: float, uy: float) 
         elif distance < 0.0:
             return math.inf, -math.inf
         ax, ay = bx, by
+    return (low, high) if low <= high else (math.inf, -math.inf)
+
+
+def stable_on_arc(polygon: Polygon, ux: float, uy: float, turn: float, inset: float = 0.0) -> tuple[float, float]:
+    """As ``stable_interval``, for a course of constant twist from the origin (``course.Twist``), keeping ``inset`` from every edge.
+
+    Closed form: the way runs on a circle about the turning centre, an edge cuts one window of angles out of it. Of the windows
+    that come round again after each full turn the first that is not over yet is meant (of every edge: a stretch in which the
+    second window of one meets the first of another is not found); on the spot it is all or nothing.
+    """
+    if len(polygon) < 3:
+        return math.inf, -math.inf
+    cx, cy = (-uy / turn, ux / turn) if turn != 0.0 else (0.0, 0.0)
+    radius, start, side = math.hypot(cx, cy), math.atan2(-cy, -cx), 1.0 if turn > 0.0 else -1.0
+    low, high = -math.inf, math.inf
+    ax, ay = polygon[-1]
+    for bx, by in polygon:
+        ex, ey = bx - ax, by - ay
+        length = math.sqrt(ex * ex + ey * ey)
+        nx, ny = -ey / length, ex / length  # into the polygon
+        depth = nx * (cx - ax) + ny * (cy - ay) - inset  # of the turning centre inside this edge
+        ax, ay = bx, by
+        if turn == 0.0:
+            rate = nx * ux + ny * uy
+            if rate > 1e-12:
+                low = max(low, -depth / rate)
+            elif rate < -1e-12:
+                high = min(high, -depth / rate)
+            elif depth < 0.0:
+                return math.inf, -math.inf
+            continue
+        if depth >= radius:
+            continue
+        if depth < -radius:
+            return math.inf, -math.inf
+        half = math.acos(-depth / radius)
+        middle = side * (math.atan2(ny, nx) - start)
+        end = (middle + half + OVER) % (2 * math.pi) - OVER
+        low, high = max(low, end - 2 * half), min(high, end)
+    if turn != 0.0:
+        low, high = low / abs(turn), high / abs(turn)
     return (low, high) if low <= high else (math.inf, -math.inf)
 
 

@@ -16,6 +16,7 @@ from .choices import ON_THE_SPOT, Field, Sway
 from .escape import blocked, field_of, way_out
 from .plan import build, cruise_speed
 from .predict import STUCK, Choice, Chosen, Ways, choose, standard_way
+from .turning import think_turn, turns
 from .xy import Notes, Step, decide
 
 LEFT = 0.03  # m; without a way out it still goes on by as much as this
@@ -31,8 +32,10 @@ def think(
     """The next step of the crab walk from N_k, thought through piece by piece; ``send(True)`` asks for the best so far.
 
     Like ``plan_step`` it walks straight courses and plans a command of speed 0 at v_max. Where the paper's step keeps the
-    standard walk on open ground it is that step, and answered at once.
+    standard walk on open ground it is that step, and answered at once. A command that turns is ``turning``'s to think about.
     """
+    if turns(command, machine):
+        return (yield from think_turn(stance, command, terrain, machine, gait, explain=explain))
     field = field_of(stance, command.crab_angle, terrain, machine, gait)
     notes: Notes | None = {"crab_angle": command.crab_angle, "quarter_turns": field.standard.quarter_turns} if explain else None
     paper = decide(field.standard, field.start.posture, field.ground, field.accepts(field.start), notes)

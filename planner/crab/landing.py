@@ -194,7 +194,7 @@ def stroke_in(standard: Standard, domain: Domain, g: float) -> tuple[float, floa
 def nearest_in(domain: Domain, x: float, y: float) -> XY | None:
     """The point of D_u nearest to (x, y), as far as D_u has straight sides (``corners_of``); None if D_u is empty."""
     corners = corners_of(domain)
-    return _nearest(corners, x, y) if corners else None
+    return nearest_of(corners, x, y) if corners else None
 
 
 def corners_of(domain: Domain) -> list[XY]:
@@ -202,16 +202,16 @@ def corners_of(domain: Domain) -> list[XY]:
     x1, x2, y1, y2 = domain.box
     corners = [(x1, y1), (x2, y1), (x2, y2), (x1, y2)]
     side = 1.0 if domain.left else -1.0
-    corners = _clipped(corners, -side * domain.uy, side * domain.ux, 0.0)
+    corners = clipped(corners, -side * domain.uy, side * domain.ux, 0.0)
     if domain.hind:
         for bound, sign in ((domain.limit, -side), (domain.least, side)):
             if math.isfinite(bound):  # sign·(D_X - bound) >= 0, multiplied by the spread, whose sign is that of side
                 a, b = sign * -domain.f_across, sign * (domain.f_along - bound)
-                corners = _clipped(corners, a * domain.ux - b * domain.uy, a * domain.uy + b * domain.ux, sign * bound * domain.f_across)
+                corners = clipped(corners, a * domain.ux - b * domain.uy, a * domain.uy + b * domain.ux, sign * bound * domain.f_across)
     return corners
 
 
-def _clipped(corners: list[XY], a: float, b: float, c: float) -> list[XY]:
+def clipped(corners: list[XY], a: float, b: float, c: float) -> list[XY]:
     """The part of a convex polygon where a·x + b·y + c >= 0; rounding must not lose a D_u that is a mere line (I meets II)."""
     kept: list[XY] = []
     for (px, py), (qx, qy) in zip(corners, corners[1:] + corners[:1], strict=True):
@@ -224,7 +224,7 @@ def _clipped(corners: list[XY], a: float, b: float, c: float) -> list[XY]:
     return kept
 
 
-def _nearest(corners: list[XY], x: float, y: float) -> XY:
+def nearest_of(corners: list[XY], x: float, y: float) -> XY:
     best, least = corners[0], math.inf
     inside = True
     for (px, py), (qx, qy) in zip(corners, corners[1:] + corners[:1], strict=True):

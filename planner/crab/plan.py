@@ -11,7 +11,7 @@ from ..course import line_exit
 from ..machine import Machine
 from ..terrain import TerrainMap
 from ..vocabulary import Array, Blocked, Command, Gait, Point, Stance, StepPlan
-from .height import CLEARANCE, body_height, ground_ahead, height_range, torso_needs, torso_needs_exactly
+from .height import CLEARANCE, body_height, ground_ahead, height_range, lift, torso_needs, torso_needs_exactly
 from .landing import Landing, corners_of, domain_of, ground_of
 from .standard import LEAN, Posture, Standard, posture_of, standard_for
 from .trajectory import Knot, Swing, Timing, knots, speed_limit, timing
@@ -25,9 +25,11 @@ def plan_step(
 ) -> StepPlan | Blocked:
     """The next step of the crab walk from N_k, or why there is none.
 
-    The turn rate is not walked here: the course of a crab step is straight. A command of speed 0 is planned at v_max, to be
-    played at the walker's own pace. ``explain`` fills the decision trace.
+    A command that turns is walked on an arc (``turning``); here the course is straight. A command of speed 0 is planned at v_max,
+    to be played at the walker's own pace. ``explain`` fills the decision trace.
     """
+    if turns(command, machine):
+        return plan_turn(stance, command, terrain, machine, gait, explain=explain)
     standard = standard_for(machine, gait, command.crab_angle, stance.quarter_turns)
     posture = posture_of(standard, stance)
     notes: Notes | None = {"crab_angle": command.crab_angle, "quarter_turns": standard.quarter_turns} if explain else None
@@ -175,28 +177,6 @@ def build(
         landing=landing,
         decision=notes,
     )
-
-
-def lift(foot: Point, landing: Point, crest: float, ceiling: float, height: float, machine: Machine, gait: Gait) -> Swing:
-    """The corners of the swing: standing, lifted, above the landing point, and the aim h_up below it (H §4.5, fig. 8).
-
-    The lift clears the crest under the way; it is cut where the leg cannot be drawn higher, the aim where it cannot reach lower.
-    """
-    clear = crest + CLEARANCE
-    top = max(min(max(foot[2] + gait.lift_up, clear), ceiling), foot[2])
-    over = max(min(max(landing[2] + gait.lift_up, clear), ceiling), landing[2])
-    lowest = height + machine.z_range[0] - machine.overreach[2]
-    aim = max(landing[2] + gait.lift_up - gait.lift_down, min(lowest, landing[2]))
-    return foot, (foot[0], foot[1], top), (landing[0], landing[1], over), (landing[0], landing[1], aim)
-
-
-def searched(standard: Standard, posture: Posture, step: Step) -> list[list[float]]:
-    """Corners of D_u in the absolute frame, for the decision trace; the leg's whole reach where a lookahead went beyond D_u."""
-    domain = domain_of(standard, posture.feet, exits_of(standard, posture), step.leg, step.g, step.convergent)
-    x1, x2, y1, y2 = domain.box
-    reach = [(x1, y1), (x2, y1), (x2, y2), (x1, y2)]
-    corners = corners_of(domain) if domain.refuses(step.landing.x, step.landing.y) is None else reach
-    return [list(posture.absolute(x, y)) for x, y in corners]
 
 
 def _clock(

@@ -1,0 +1,178 @@
+"""Turning: exits and crossings on arcs, the standard walk on them, and every promise of a plan whose body turns."""
+
+import math
+
+import numpy as np
+import pytest
+
+from planner.course import Twist, arc_exit, twist_of
+from planner.crab.arcs import circular_gait
+from planner.crab.plan import plan_step
+from planner.crab.standard import standard_stance
+from planner.crab.turning import turns
+from planner.support import MARGIN_SLACK, polygon_margin, stable_on_arc, support_polygon
+from planner.vocabulary import Blocked, Command, Phase
+
+from crab_walks import TITAN, gait, holes, random_stance
+
+YAW_LENGTH = TITAN.yaw_length
+LEVEL = holes()
+SLOW = 1.002  # of a speed limit: straight lines between knots in axes that turn
+
+
+def on_circle(radius, degrees=0.0, pace=0.08, left=True):
+    """The command that goes round a circle; radius 0 is a turn on the spot."""
+    turn_rate = (1 if left else -1) * pace / math.hypot(radius, YAW_LENGTH)
+    return Command(math.radians(degrees), abs(turn_rate) * radius, turn_rate)
+
+
+def walk(command, turned, terrain=LEVEL, duty_factor=0.8, stance=None, steps=600):
+    """Plans until the torso has turned so far (rad), each looked at; ends early with a ``Blocked``."""
+    settings = gait(duty_factor)
+    stance = stance or standard_stance(TITAN, settings, command.crab_angle, 0.0, 0.0, 0.0, terrain.height_at)
+    plans, yaw = [], stance.body[3]
+    for _ in range(steps):
+        plan = plan_step(stance, command, terrain, TITAN, settings)
+        plans.append(plan)
+        if isinstance(plan, Blocked):
+            break
+        look_at(plan, stance, terrain)
+        stance = plan.end
+        if abs(stance.body[3] - yaw) >= turned:
+            break
+    return plans
+
+
+def seen(plan):
+    """Feet in body axes at every knot."""
+    relative, yaw = plan.feet - plan.body[:, None, :3], plan.body[:, 3][:, None]
+    c, s = np.cos(yaw), np.sin(yaw)
+    return np.stack([c * relative[..., 0] + s * relative[..., 1], c * relative[..., 1] - s * relative[..., 0], relative[..., 2]], -1)
+
+
+def look_at(plan, stance, terrain):
+    """Standing feet stand, no foot is too fast or out of reach, the landing is allowed, the centre of gravity stays inside."""
+    times = plan.times
+    assert times[0] == 0.0 and np.all(np.diff(times) > 0.0) and len(plan.phases) == len(times) - 1
+    np.testing.assert_allclose(plan.body[0], stance.body, atol=1e-9)
+    np.testing.assert_allclose(plan.body[-1], plan.end.body, atol=1e-9)
+    standing = [i for i in range(4) if i not in plan.swing]
+    assert np.array_equal(plan.feet[:, standing], np.broadcast_to(plan.feet[0, standing], plan.feet[:, standing].shape))
+    feet = seen(plan)
+    speeds = np.abs(np.diff(feet, axis=0)) / np.diff(times)[:, None, None]
+    assert np.all(speeds <= np.array(TITAN.speed) * SLOW), speeds.max(axis=(0, 1))
+    for i, leg in enumerate(TITAN.legs):
+        over = TITAN.overreach if i in plan.swing else (1e-6, 1e-6, 1e-6)
+        for axis, (low, high) in enumerate((leg.x, leg.y, leg.z)):
+            assert np.all((feet[:, i, axis] >= low - over[axis] - 1e-6) & (feet[:, i, axis] <= high + over[axis] + 1e-6))
+    for k, phase in enumerate(plan.phases):
+        carrying = [stance.feet[i] for i in range(4) if i not in plan.swing or phase is Phase.SUPPORT]
+        polygon = support_polygon(carrying)
+        for x, y in (plan.body[k, :2], plan.body[k + 1, :2]):
+            assert polygon_margin(polygon, x, y) >= -MARGIN_SLACK
+    if plan.swing:
+        assert terrain.allows(*plan.landing[:2]) and plan.end.feet[plan.swing[0]] == plan.landing
+
+
+def turned_by(plans):
+    assert not isinstance(plans[-1], Blocked), plans[-1]
+    return plans[-1].end.body[3] - plans[0].body[0, 3]
+
+
+def test_the_exit_on_an_arc_is_the_end_of_the_existence_segment():
+    rng = np.random.default_rng(5)
+    box = TITAN.boxes[0]
+    for _ in range(500):
+        twist, _ = twist_of(rng.uniform(-3.1, 3.1), rng.uniform(0.0, 0.1), rng.choice([-1, 1]) * rng.uniform(0.01, 0.2), YAW_LENGTH)
+        x, y = rng.uniform(box[0], box[1]), rng.uniform(box[2], box[3])
+        assert arc_exit(x, y, box, twist) == pytest.approx(twist.segment(x, y, box)[1], abs=1e-7)
+    assert arc_exit(0.1, 0.5, box, Twist(1.0, 0.0, 0.1)) == 0.0
+    assert arc_exit(0.71, 0.5, box, Twist(0.9, 0.0, 0.1)) == 0.0
+    assert arc_exit(0.71, 0.5, box, Twist(0.9, 0.0, 0.1), 0.02) > 0.4, "a foot that comes in is not out of reach"
+    assert arc_exit(0.19, 0.5, box, Twist(0.9, 0.0, 0.1), 0.02) == 0.0, "one that goes out is"
+
+
+def test_along_an_arc_the_centre_of_gravity_is_inside_on_the_interval_and_on_the_edge_at_its_end():
+    rng = np.random.default_rng(6)
+    for _ in range(500):
+        twist, _ = twist_of(rng.uniform(-3.1, 3.1), rng.uniform(0.02, 0.1), rng.choice([-1, 1]) * rng.uniform(0.01, 0.2), YAW_LENGTH)
+        inset = rng.choice([0.0, 0.02])
+        triangle = support_polygon(rng.uniform(-0.7, 0.7, (3, 2)).tolist())
+        low, high = stable_on_arc(triangle, *twist, inset)
+        if low > min(high, 1.0) or high == math.inf:
+            continue
+        for s in np.linspace(max(low, -1.0), min(high, 1.0), 7):
+            assert polygon_margin(triangle, *twist.pose(s)[:2]) >= inset - 1e-6
+        assert polygon_margin(triangle, *twist.pose(high)[:2]) == pytest.approx(inset, abs=1e-6)
+
+
+def test_on_the_spot_the_legs_go_round_one_after_the_other():
+    """Each triangle is entered far: the leg before has just landed, the leg after is about to go."""
+    for left, after in ((True, (1, 2, 3, 0)), (False, (3, 0, 1, 2))):
+        command = on_circle(0.0, left=left)
+        twist, _ = twist_of(0.0, 0.0, command.turn_rate, YAW_LENGTH)
+        circular = circular_gait(TITAN, gait(), twist)
+        assert circular.successor == after
+        assert circular.margin > 0.15
+
+
+def test_on_a_wide_circle_the_legs_go_as_on_a_straight_course():
+    twist, _ = twist_of(0.0, 0.1, 0.1 / 20.0, YAW_LENGTH)
+    assert circular_gait(TITAN, gait(), twist).successor == (2, 0, 3, 1)  # 1-3-4-2 in H's numbers
+
+
+def test_a_course_of_a_kilometres_radius_is_straight():
+    assert not turns(Command(0.3, 0.1, 0.1 / 2000.0), TITAN)
+    assert turns(Command(0.3, 0.1, 0.1 / 500.0), TITAN)
+    assert turns(Command(0.0, 0.0, -1e-4), TITAN)
+
+
+@pytest.mark.parametrize("left", [True, False])
+def test_it_turns_right_round_on_the_spot_and_stays_there(left):
+    plans = walk(on_circle(0.0, left=left), 2 * math.pi)
+    assert abs(turned_by(plans)) >= 2 * math.pi
+    assert math.hypot(*plans[-1].end.body[:2]) < 0.25
+    assert len(plans) < 40
+
+
+@pytest.mark.parametrize("radius", [1.0, 2.0, 5.0])
+@pytest.mark.parametrize("degrees", [0, 45, 90, 135, 180])
+def test_it_goes_round_circles_at_any_crab_angle(radius, degrees):
+    plans = walk(on_circle(radius, degrees, left=degrees % 90 == 0), 1.5)
+    assert abs(turned_by(plans)) >= 1.5
+    way, seconds = sum(plan.shift for plan in plans), sum(plan.times[-1] for plan in plans)
+    assert way / seconds > 0.55 * 0.08
+
+
+@pytest.mark.parametrize("radius", [0.0, 1.0, 3.0])
+def test_it_turns_on_ground_of_which_three_cells_in_ten_are_forbidden(radius):
+    plans = walk(on_circle(radius, 30.0), 2.0, holes(0.3, 11))
+    assert abs(turned_by(plans)) >= 2.0
+
+
+def test_it_turns_from_any_posture():
+    rng = np.random.default_rng(12)
+    for _ in range(20):
+        stance = random_stance(rng)
+        plans = walk(on_circle(rng.choice([0.0, 1.0, 4.0]), rng.uniform(-180, 180), left=rng.random() < 0.5), 0.8, stance=stance)
+        assert abs(turned_by(plans)) >= 0.8
+
+
+def test_it_answers_alike_every_time_and_says_why_when_asked():
+    settings, command = gait(), on_circle(1.0, 20.0)
+    stance = standard_stance(TITAN, settings, 0.0, 0.0, 0.0, 0.0, LEVEL.height_at)
+    one, two = (plan_step(stance, command, LEVEL, TITAN, settings, explain=True) for _ in range(2))
+    assert np.array_equal(one.feet, two.feet) and one.decision == two.decision
+    assert one.decision["candidates"][0]["score"] >= one.decision["candidates"][-1]["score"]
+
+
+def test_where_no_foot_may_land_it_says_so():
+    stance = standard_stance(TITAN, gait(), 0.0, 0.0, 0.0, 0.0, LEVEL.height_at)
+    command, plans = on_circle(0.0), []
+    for _ in range(12):
+        plan = plan_step(stance, command, holes(1.0), TITAN, gait())
+        plans.append(plan)
+        if isinstance(plan, Blocked):
+            break
+        stance = plan.end
+    assert isinstance(plans[-1], Blocked) and "arc" in plans[-1].reason
