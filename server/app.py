@@ -308,6 +308,8 @@ def chosen(body: messages.ScenarioBody, settings: list[str] | None = None) -> Sc
                 raise Refusal(422, why, fault("settings", settings, None, why))
         if body.robot is not None:
             data["robot"] = body.robot
+        if body.mode is not None:
+            data["mode"] = body.mode
         scenario = scenario_from(data, None)
         load_machine(scenario.robot)
     except (ScenarioError, MachineError) as error:
@@ -422,13 +424,18 @@ def _add_console(app: FastAPI, desk: Desk) -> None:
     @app.patch("/api/v1/console/terrain", tags=tags)
     async def terrain(body: messages.TerrainBody) -> dict[str, Any]:
         """Dig a hole, raise or lower, forbid or clear cells."""
-        cells = cells_of(body, clock.newest.terrain)
-        clock.request(Edit(body.action, cells, body.amount_m or 0.0))
-        return {"action": body.action, "cells": len(cells)}
+        edit = edit_under(body, clock.newest.terrain)
+        clock.request(edit)
+        return {"action": edit.action, "cells": len(edit.cells)}
 
     async def _settled(before: Any) -> None:
         """Until a snapshot of the new world is out."""
         await desk.until(lambda: clock.newest.terrain.revision != before.terrain.revision or clock.fault, 5.0)
+
+
+def edit_under(body: messages.TerrainBody, terrain: TerrainView) -> Edit:
+    """A terrain edit by its cells; raises ``Refusal`` when it is not on the map."""
+    return Edit(body.action, cells_of(body, terrain), body.amount_m or 0.0)
 
 
 def cells_of(body: messages.TerrainBody, terrain: TerrainView) -> tuple[tuple[int, int], ...]:

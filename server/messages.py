@@ -25,6 +25,7 @@ CRAB_ANGLE_MAX = 3.1416  # rad: half a turn, rounded up so that a rounded pi is 
 TTL_MAX = 1.0  # s of held driving
 SEQUENCE_MAX = 2**53  # what JavaScript counts exactly
 AMOUNT_MAX = 1.0  # m, one terrain edit
+BRUSH_AMOUNT = 0.05  # m, one touch of the page's brush
 BRUSH_MAX = 3.0  # m, radius or side of one terrain edit
 CELLS_MAX = 10_000  # cells named one by one in one terrain edit
 INDEX_MAX = 100_000
@@ -80,12 +81,13 @@ class RateBody(Shape):
 
 
 class ScenarioBody(Shape):
-    """A shipped scenario by name, or a whole one inline; ``robot`` replaces the scenario's own."""
+    """A shipped scenario by name, or a whole one inline; ``robot`` and ``mode`` replace the scenario's own."""
 
     model_config = example(name="dem", robot="titan3")
     name: Name | None = None
     scenario: dict[str, Any] | None = Field(default=None, description="a scenario file as JSON")
     robot: Name | None = None
+    mode: Literal["naive", "paper", "predictive"] | None = Field(default=None, description="of the crab planner; null: the scenario's")
     seed: Annotated[int, Field(ge=0, le=2**31 - 1)] | None = None
 
     @model_validator(mode="after")
@@ -135,6 +137,14 @@ class TerrainBody(Shape):
         if (self.action == "raise") == (not self.amount_m):
             raise ValueError("amount_m belongs to raise, and raise needs one that is not 0")
         return self
+
+
+def painted(brush: str, x: float, y: float, radius: float) -> TerrainBody:
+    """One touch of a brush on the page: dig, raise, lower, forbid or clear a circle."""
+    amount = {"raise": BRUSH_AMOUNT, "lower": -BRUSH_AMOUNT}.get(brush)
+    return TerrainBody.model_validate(
+        {"action": "raise" if brush == "lower" else brush, "circle": {"x_m": x, "y_m": y, "radius_m": radius}, "amount_m": amount}
+    )
 
 
 class DriveFrame(Shape):

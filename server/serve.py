@@ -27,11 +27,12 @@ from sim.scenarios import load_scenario
 from sim.snapshot import Snapshot
 from web.scene import Scene
 
-from .app import Settings, create_app
+from .app import Refusal, Settings, create_app, edit_under
 from .canvas import Canvas, CanvasError
 from .clock import Drawing, WalkingClock, go_first
 from .console import Console, prepare
 from .door import LOOPBACK, is_address
+from .messages import painted
 
 TOKEN_MIN = 32  # characters: 192 bits as secrets.token_urlsafe writes them
 TOKEN = re.compile(rf"[A-Za-z0-9._~-]{{{TOKEN_MIN},256}}")
@@ -162,7 +163,7 @@ def serve(
     except CanvasError as error:
         listening.close()
         raise ServeError(str(error)) from None
-    drawing = Drawing(clock, _scene(canvas), lambda: canvas.watched)
+    drawing = Drawing(clock, _scene(canvas, clock), lambda: canvas.watched)
     own = () if host in LOOPBACK or is_address(host) else (host,)
     hosts = own if is_loopback(host) else (*own, socket.gethostname())
     app = create_app(clock, Settings(Path(data), hosts, not is_loopback(host), token), canvas)
@@ -195,9 +196,16 @@ def serve(
         canvas.stop()
 
 
-def _scene(canvas: Canvas) -> Callable[[Snapshot], None]:
-    """The drawing of one scene; made here, so that only ``web`` knows how."""
-    return Scene(canvas.server).draw
+def _scene(canvas: Canvas, clock: WalkingClock) -> Callable[[Snapshot], None]:
+    """The drawing of one scene; made here, so that only ``web`` knows how. A click with a brush leaves a request for the walk."""
+    scene = Scene(canvas.server)
+
+    def paint(brush: str, x: float, y: float, radius: float) -> None:
+        with contextlib.suppress(Refusal):  # beside the map
+            clock.request(edit_under(painted(brush, x, y, radius), clock.newest.terrain))
+
+    scene.on_paint = paint
+    return scene.draw
 
 
 def _quoted(text: str) -> str:

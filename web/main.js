@@ -88,6 +88,7 @@ const typing = (target) => target instanceof Element && target.matches("select, 
 const SHORTCUTS = {
   KeyP: () => pauseOrGo(), Period: () => newest?.paused && post("advance", { ticks: ADVANCE_TICKS }), Backspace: () => post("reset"),
   KeyR: () => lease.stopped && toggleStop(), KeyC: () => view.home(), KeyV: () => openMenu($("view-menu").hidden),
+  KeyB: () => openBrushes($("brushes").hidden),
 };
 
 document.addEventListener("keydown", (event) => {
@@ -95,6 +96,7 @@ document.addEventListener("keydown", (event) => {
   const { code, repeat } = event;
   if (code === "Space" || code === "Escape") {
     if (code === "Escape" && !$("view-menu").hidden) return openMenu(false);
+    if (code === "Escape" && !$("brushes").hidden) return openBrushes(false);
     event.preventDefault();
     if (!repeat) stop();
   } else if (isDrivingKey(code)) {
@@ -131,8 +133,7 @@ async function load(body) {
   try { await ask("PUT", "console/scenario", body); } catch (error) { say(error.message); }
   document.body.classList.remove("loading");
   loading = false;
-  $("scenario").blur();
-  $("robot").blur();
+  for (const id of ["scenario", "robot", "planner-mode"]) $(id).blur();
 }
 
 const pauseOrGo = () => post(newest?.paused ? "resume" : "pause");
@@ -143,7 +144,9 @@ $("advance").addEventListener("click", () => post("advance", { ticks: ADVANCE_TI
 $("reset").addEventListener("click", () => post("reset"));
 for (const button of $("rate").children) button.addEventListener("click", () => setRate(Number(button.dataset.rate)));
 $("scenario").addEventListener("change", () => load({ name: $("scenario").value }));
-$("robot").addEventListener("change", () => load({ name: $("scenario").value, robot: $("robot").value }));
+const loadChanged = (changed) => load({ name: $("scenario").value, robot: $("robot").value, ...changed });
+$("robot").addEventListener("change", () => loadChanged());
+$("planner-mode").addEventListener("change", () => loadChanged({ mode: $("planner-mode").value }));
 
 async function fillLists() {
   try {
@@ -162,7 +165,7 @@ function option(value, text, title) {
 
 function choose(s) {
   if (loading) return;
-  for (const [select, value] of [[$("scenario"), s.scenario], [$("robot"), s.robot]]) {
+  for (const [select, value] of [[$("scenario"), s.scenario], [$("robot"), s.robot], [$("planner-mode"), s.planner_mode]]) {
     if (select.value === value || document.activeElement === select) continue;
     if (select.options.length && ![...select.options].some((o) => o.value === value)) select.add(option(value, value, ""));
     select.value = value;
@@ -191,6 +194,27 @@ strip.checked = saved.strips ?? window.innerWidth > 700;
 const showStrips = () => { document.body.classList.toggle("no-strips", !strip.checked); strips.visible = strip.checked; };
 strip.addEventListener("change", () => { showStrips(); keep({ strips: strip.checked }); });
 showStrips();
+
+// changing the ground
+
+const BRUSHES = [...document.querySelectorAll("[data-brush]")];
+
+function takeBrush(brush) {
+  for (const button of BRUSHES) {
+    button.setAttribute("aria-checked", String(button.dataset.brush === brush));
+    view.set(`Paint ${button.dataset.brush}`, button.dataset.brush === brush);
+  }
+  view.paints(Boolean(brush));
+}
+
+function openBrushes(open) {
+  $("brushes").hidden = !open;
+  $("brush-button").setAttribute("aria-expanded", String(open));
+  takeBrush(open ? saved.brush ?? "dig" : "");
+}
+for (const button of BRUSHES) button.addEventListener("click", () => { keep({ brush: button.dataset.brush }); takeBrush(button.dataset.brush); });
+$("brush-button").addEventListener("click", () => openBrushes($("brushes").hidden));
+$("wide-brush").addEventListener("change", () => view.set("Wide brush", $("wide-brush").checked));
 
 // the second strip: margins, or for the trace walker its footholds along s
 
@@ -255,6 +279,7 @@ function showState(s) {
   $("advance").disabled = !s.paused;
   for (const button of $("rate").children) button.setAttribute("aria-checked", String(Number(button.dataset.rate) === s.rate));
   $("turn-control").hidden = !turns();
+  $("planner-mode").hidden = s.planner !== "crab";
   showTab();
   const wrong = trouble(s);
   const banner = $("banner");

@@ -47,7 +47,7 @@ export function show(s) {
   const names = legNames(s.feet.length);
   write("mode", MODES[s.mode] ?? s.mode);
   $("state").dataset.tone = ALARMS[s.mode] ?? (s.mode === "stand" ? "" : "walk");
-  write("planner", s.planner === "crab" ? `${s.planner} · ${s.planner_mode}` : s.planner);
+  write("planner", s.planner === "crab" ? "crab ·" : "trace");
   write("step", String(s.step));
   const swings = s.swing.length && s.mode !== "stand" && s.mode !== "shift";
   write("swing", swings ? s.swing.map((leg) => `${leg} ${names[leg - 1] === String(leg) ? "" : names[leg - 1]}`).join(", ") : "–");

@@ -58,6 +58,10 @@ LAYERS = {
     "Reach": "reach",
 }  # fmt: skip
 HIDDEN_AT_FIRST = ("Reach",)
+BRUSHES = ("dig", "raise", "lower", "forbid", "clear")
+BRUSH, WIDE_BRUSH = 0.12, 0.35  # m, radius
+RAY_STEP = 0.02  # m along a click's ray between looks at the ground
+RAY_MAX = 40.0  # m
 
 
 class Scene:
@@ -70,6 +74,7 @@ class Scene:
         self._ground: GroundTiles | None = None
         self._overlay: Overlay | None = None
         self._walker: Walker | None = None
+        self.on_paint: Callable[[str, float, float, float], None] = lambda brush, x, y, radius: None  # called from viser's threads
         self._set_stage()
         server.on_client_connect(self._welcome)
         server.on_client_disconnect(self._farewell)
@@ -120,7 +125,13 @@ class Scene:
         camera.position, camera.look_at, camera.up, camera.fov = CAMERA, LOOK_AT, (0.0, 0.0, 1.0), math.radians(50.0)
 
     def _welcome(self, client: viser.ClientHandle) -> None:
-        self._watchers[client.client_id] = Watcher(client)
+        self._watchers[client.client_id] = Watcher(client, self._paint)
+
+    def _paint(self, brush: str, eye: Floats, way: Floats, radius: float) -> None:
+        """A click with a brush, as a ray in the world: on to whoever changes the ground."""
+        place = self._ground.struck(eye, way) if self._ground is not None else None
+        if place is not None:
+            self.on_paint(brush, *place, radius)
 
     def _farewell(self, client: viser.ClientHandle) -> None:
         self._watchers.pop(client.client_id, None)
@@ -132,8 +143,10 @@ Change = tuple[Any, str, Any]  # handle, property, new value
 class Watcher:
     """One viewer: whether it follows the machine and which layers it sees. The page works these switches from its own menu."""
 
-    def __init__(self, client: viser.ClientHandle) -> None:
+    def __init__(self, client: viser.ClientHandle, paint: Callable[[str, Floats, Floats, float], None]) -> None:
         self.client = client
+        self.paint = paint
+        self.brush, self.radius = "", BRUSH
         self.follows = True
         self.world = client.scene.add_frame("/world", show_axes=False)
         if client.camera.aspect < 1.0:
@@ -146,7 +159,30 @@ class Watcher:
             box.on_update(self._switch(label))
             if label in HIDDEN_AT_FIRST:
                 self._show(label, False)
+        for brush in BRUSHES:
+            client.gui.add_checkbox(f"Paint {brush}", False).on_update(self._take(brush))
+        client.gui.add_checkbox("Wide brush", False).on_update(lambda event: self._widen(bool(event.target.value)))
         client.gui.add_button("Home").on_click(lambda _: self._home())
+
+    def _take(self, brush: str) -> Callable[[Any], None]:
+        """A brush in hand makes clicks paint; with none the scene is not asked for clicks at all."""
+
+        def take(event: Any) -> None:
+            held = self.brush
+            self.brush = brush if event.target.value else "" if held == brush else held
+            if self.brush and not held:
+                self.client.scene.on_click()(self._click)
+            elif held and not self.brush:
+                self.client.scene.remove_click_callback()
+
+        return take
+
+    def _widen(self, wide: bool) -> None:
+        self.radius = WIDE_BRUSH if wide else BRUSH
+
+    def _click(self, event: viser.SceneClickEvent) -> None:
+        if self.brush:
+            self.paint(self.brush, np.array(event.ray_origin) - self.world.position, np.array(event.ray_direction), self.radius)
 
     def _set_follow(self, follows: bool) -> None:
         self.follows = follows
@@ -217,7 +253,6 @@ class GroundTiles:
         height = float(view.heights[row, column])
         return otherwise if math.isnan(height) else height
 
-
     def heights(self, points: Floats, otherwise: float) -> Floats:
         """Ground heights under many points (n, 2)."""
         view = self.view
@@ -227,6 +262,23 @@ class GroundTiles:
         found = np.full(len(points), np.nan)
         found[inside] = view.heights[row[inside], column[inside]]
         return np.where(np.isnan(found), otherwise, found)
+
+
+    def struck(self, eye: Floats, way: Floats) -> tuple[float, float] | None:
+        """Where a ray first meets the ground; holes are met at the height of the ground around. None outside the map."""
+        view = self.view
+        if view is None:
+            return None
+        points = eye + way / np.linalg.norm(way) * np.arange(0.0, RAY_MAX, RAY_STEP)[:, None]
+        solid = view.heights[np.isfinite(view.heights)]
+        level = float(np.median(solid)) if solid.size else 0.0
+        below = np.flatnonzero(points[:, 2] <= self.heights(points[:, :2], level))
+        if not below.size:
+            return None
+        x, y = points[below[0], :2].tolist()
+        rows, columns = view.heights.shape
+        inside = 0.0 <= x - view.origin[0] < columns * view.cell and 0.0 <= y - view.origin[1] < rows * view.cell
+        return (x, y) if inside else None
 
 
 def _same_ground(a: TerrainView, b: TerrainView) -> bool:

@@ -1,7 +1,7 @@
 // The canvas in its frame: our own menu works viser's (hidden) switches, which are this viewer's alone.
 
 const TRIES = 40;
-const STYLE = ".mantine-Notifications-root, .mantine-Paper-root { display: none !important; } canvas { outline: none; }";
+const STYLE = ".mantine-Notifications-root, .mantine-Paper-root { display: none !important; } canvas { outline: none; } .paints canvas { cursor: crosshair !important; }";
 
 export class View {
   constructor(frame) {
@@ -21,6 +21,11 @@ export class View {
     this.#apply();
   }
 
+  paints(on) {
+    this.painting = on;
+    this.#document?.documentElement.classList.toggle("paints", on);
+  }
+
   home() {
     const button = [...(this.#document?.querySelectorAll("button") ?? [])].find((found) => found.textContent.trim() === "Home");
     button?.click();
@@ -34,6 +39,7 @@ export class View {
       style.id = "console-style";
       style.textContent = STYLE;
       page.head.append(style);
+      this.paints(this.painting ?? false);
     }
   }
 
