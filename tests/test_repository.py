@@ -124,6 +124,4 @@ def test_the_readme_names_commands_that_exist() -> None:
 def test_the_readme_links_to_files_that_exist() -> None:
     links = set(re.findall(r"\]\((?!https?:|#)([^)#]+)", README))
     missing = sorted(link for link in links if not (ROOT / link).exists())
-    if missing == ["docs/console.png"]:
-        pytest.xfail("the picture of the console is still to be taken")
     assert missing == []
