@@ -10,10 +10,10 @@ import viser
 
 from planner.course import twist_of
 from planner.machine import load_machine
-from planner.vocabulary import Command, Mode, Phase, Stance, StepPlan
+from planner.vocabulary import Command, Mode, Phase, Stance, StepPlan, TraceAhead
 from server.canvas import viser_without_socket
 from sim.snapshot import Snapshot, TerrainView
-from web.scene import GREEN, RED, Scene, course_ahead, foot_colour, foot_paths, margin_colour, stroke_lines
+from web.scene import GREEN, RED, RING_CORNERS, Scene, course_ahead, foot_colour, foot_paths, margin_colour, stroke_lines, trace_lines
 
 
 @pytest.fixture(scope="module")
@@ -79,6 +79,13 @@ def stepping() -> StepPlan:
     body = np.array([(0.0, 0.0, 0.85, 0.0)] * 4)
     phases = (Phase.UP, Phase.RETURN, Phase.DOWN)
     return StepPlan((0,), np.array([0.0, 0.1, 0.6, 0.9]), body, feet, phases, end, landing=landing, search_start=landing)
+
+
+def foreseeing(complete: bool) -> TraceAhead:
+    """A straight trace of 1 m with three footholds; without a way beyond 0.4 m when it is not complete."""
+    line = tuple((0.05 * k, 0.05 * k, 0.0) for k in range(21))
+    footholds = (((0.9, 0.6, 0.0), (1.2, 0.6, 0.0)), ((0.3, 0.6, 0.0),), (), (), (), ())
+    return TraceAhead(line, footholds, ((),) * 6, (), 1.0 if complete else 0.4, 1.0, complete, "" if complete else "no foothold")
 
 
 def names(scene: Scene) -> set[str]:
@@ -197,3 +204,45 @@ def test_margins_run_from_red_to_green() -> None:
 
 def test_a_foot_that_should_carry_and_does_not_stands_out() -> None:
     assert len({foot_colour(True, True), foot_colour(False, True), foot_colour(False, False)}) == 3
+
+def test_a_trace_ahead_is_drawn_with_its_footholds_and_goes_with_them(scene: Scene) -> None:
+    ahead = foreseeing(complete=True)
+    scene.draw(replace(standing("hexapod"), planner="trace", ahead=ahead))
+    overlay = scene._overlay
+    assert overlay is not None and overlay.trace.visible and overlay.treads.visible
+    assert len(overlay.treads.points) == 3 * RING_CORNERS
+    scene.draw(replace(standing("hexapod"), tick=1, planner="trace", ahead=None))
+    assert not overlay.trace.visible and not overlay.treads.visible
+
+
+def test_the_trace_is_red_where_no_way_was_found() -> None:
+    sure, _ = trace_lines(foreseeing(complete=True))
+    ended, colours = trace_lines(foreseeing(complete=False))
+    assert len(ended) == len(sure) + 1  # the bar across the dead end
+    reds = [piece for piece, colour in zip(ended, colours, strict=True) if tuple(colour[0]) == RED]
+    assert all(piece[:, 0].min() >= 0.4 for piece in reds) and len(reds) > 1
+
+
+def test_the_search_domain_and_refused_cells_of_a_step_are_drawn(scene: Scene) -> None:
+    decision = {
+        "domain": [[0.5, 0.2], [0.9, 0.2], [0.9, 0.6], [0.5, 0.6]],
+        "legs": [{"leg": 1, "refused": [{"x": 0.7, "y": 0.4, "reason": "prohibited cell"}]}, {"leg": 2, "refused": []}],
+    }
+    told = replace(stepping(), decision=decision)
+    scene.draw(replace(standing(), plan=told, mode=Mode.RETURN, decision=decision))
+    overlay = scene._overlay
+    assert overlay is not None and overlay.domain.visible and len(overlay.domain.points) == 4
+    assert overlay.refused.visible and len(overlay.refused.points) == 2
+    scene.draw(replace(standing(), tick=1, plan=stepping(), mode=Mode.RETURN))
+    assert not overlay.domain.visible and not overlay.refused.visible
+
+
+def test_a_click_meets_the_ground_where_it_is_seen(scene: Scene) -> None:
+    touched: list[tuple[str, float, float, float]] = []
+    scene.draw(standing())
+    scene.on_paint = lambda *touch: touched.append(touch)
+    scene._paint("dig", np.array((0.0, 0.0, 2.0)), np.array((1.0, 0.5, -2.0)), 0.12)
+    scene._paint("dig", np.array((0.0, 0.0, 2.0)), np.array((0.0, 0.0, 1.0)), 0.12)  # into the sky
+    scene._paint("dig", np.array((9.0, 0.0, 2.0)), np.array((0.0, 0.0, -1.0)), 0.12)  # beside the map
+    assert [(brush, radius) for brush, _, _, radius in touched] == [("dig", 0.12)]
+    assert touched[0][1:3] == pytest.approx((1.0, 0.5), abs=0.02)
