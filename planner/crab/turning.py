@@ -34,7 +34,7 @@ DEPTH, WIDTH = 6, 6  # steps a sequence is long, sequences kept; less: see it sw
 FAR_DEPTH, FAR_WIDTH = 9, 16  # the second look, when the first finds no way on
 INSET = 0.03  # m from every edge of the triangle, where the standard walk has so much
 INSET_SHARE = 0.6  # of the least margin of the standard walk, where it has less
-THIN = 0.004  # m; an inset every swing keeps where it can
+THIN, BARE = 0.004, 0.001  # m; an inset every swing keeps where it can, and one it keeps always; none: see the torso tip as a foot lifts
 THIN_COST = 0.15  # m of course a swing without it is held to lose
 USEFUL = 0.5  # of the standard swing's way; a swing that moves the body less is looked at with no inset, and beside sways
 FAR_ENOUGH = 0.45  # m around I_u in which footholds are looked for
@@ -94,7 +94,7 @@ class Outlook:
         self.useful = USEFUL * standard
         self.full = standard
         comfort = min(INSET, INSET_SHARE * circular.margin)
-        self.insets = (comfort, THIN, -SLACK) if comfort > THIN else (THIN, -SLACK)
+        self.insets = (comfort, THIN, BARE) if comfort > THIN else (THIN, BARE)
         x, y, _, yaw = stance.body
         feet = _in_body(stance)
         self.root = Place(x, y, yaw, feet, self.exits(feet), stance.last_swing, 0.0, stance.still >= STILL_MAX and stance.still % 2 == 1)

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from crab_walks import TITAN, gait, holes, random_stance
 
 from planner.course import Twist, arc_exit, twist_of
 from planner.crab.arcs import circular_gait
@@ -12,8 +13,6 @@ from planner.crab.standard import standard_stance
 from planner.crab.turning import turns
 from planner.support import MARGIN_SLACK, polygon_margin, stable_on_arc, support_polygon
 from planner.vocabulary import Blocked, Command, Phase
-
-from crab_walks import TITAN, gait, holes, random_stance
 
 YAW_LENGTH = TITAN.yaw_length
 LEVEL = holes()
