@@ -175,7 +175,7 @@ class Walk:
         airborne = [i for i in plan.swing if i not in plan.end.lifted and not self.reflexes.landed[i]]
         if airborne:
             return self._no_ground(sensing, terrain)
-        stance = self._actual(sensing, plan.end)
+        stance = self._arrived(sensing)
         self._finish(replace(plan, end=stance))
         self._held = 0
         self._consider(stance, command, terrain, PIECES_WANTED)
@@ -475,6 +475,12 @@ class Walk:
         return learnt
 
     # where the machine really is
+
+    def _arrived(self, sensing: Sensing) -> Stance:
+        """The stance at N_{k+1}: the plan's end when all went as planned up to this tick, in which the last of the way is still to go."""
+        end, now = self.plan.end, self.playback.body_at(self.t)
+        actual = self._actual(sensing, replace(end, body=now))
+        return end if actual.body == now and actual.feet == end.feet else actual
 
     def _actual(self, sensing: Sensing, expected: Stance) -> Stance:
         """The sensed stance, or ``expected`` itself when it came out so."""
