@@ -148,7 +148,8 @@ def run_speed() -> float:
 
 def print_figures(figures: dict[str, Any], terminal: Terminal) -> None:
     """The table of ``walking-console bench``."""
-    table = Table(title=f"walking-console {figures['version']}, Python {figures['python']}, medians of processor time", title_justify="left")
+    title = f"walking-console {figures['version']}, Python {figures['python']}, medians of processor time"
+    table = Table(title=title, title_justify="left")
     for column in ("figure", "value", "unit", "target"):
         table.add_column(column, justify="right" if column == "value" else "left")
     for name, entry in figures["figures"].items():
