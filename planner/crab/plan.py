@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
+from ..clearance import leg_in_the_way, something_tall
 from ..course import line_exit
 from ..machine import Machine
 from ..terrain import TerrainMap
@@ -17,6 +18,7 @@ from .standard import LEAN, Posture, Standard, posture_of, standard_for
 from .trajectory import Knot, Swing, Timing, knots, speed_limit, timing
 from .xy import Notes, Shift, Step, decide, exits_of
 
+LEG_CHECKS = (0.25, 0.5, 0.75, 1.0)  # shares of a step at which the legs are held against tall things; 6 cm apart at most
 LEVEL = 0.005  # m; feet this close to the height of level ground stand on it: no height to plan
 
 
@@ -110,7 +112,28 @@ class Ahead:
         height = self.height_after(leg, shift.g, landing, low, high)
         if self.crest(leg, landing) + CLEARANCE > self.ceiling(height):
             return "the foot cannot be lifted over the ground on the way"
+        if self.has_tall and self.leg_in_the_way(shift, landing, height):
+            return "a leg would run into something tall"
         return None
+
+    @cached_property
+    def has_tall(self) -> bool:
+        """True when something near is tall enough to meet a leg."""
+        return something_tall(self.terrain, self.machine, self.stance.body[0], self.stance.body[1], min(self.heights))
+
+    def leg_in_the_way(self, shift: Shift, landing: Landing, height: float) -> bool:
+        """True when on the way of the step some leg that stands, or at its end the new one, meets ground."""
+        u = self.standard.body_leg[shift.leg]
+        z, yaw = self.stance.body[2], self.stance.body[3]
+        feet: list[Point | None] = list(self.stance.feet)
+        feet[u] = None
+        for share in LEG_CHECKS:
+            x, y = self.posture.absolute(share * shift.g * self.standard.ux, share * shift.g * self.standard.uy)
+            if share == 1.0:
+                feet[u] = landing.ax, landing.ay, self.ground_at(landing)
+            if leg_in_the_way(self.terrain, self.machine, (x, y, z + share * (height - z), yaw), feet) is not None:
+                return True
+        return False
 
     def crest(self, leg: int, landing: Landing) -> float:
         """Highest ground under the way of the swing foot, its own two footholds included, m."""
