@@ -112,7 +112,7 @@ def fault(name: str, value: Any, limit: Any, message: str) -> list[dict[str, Any
     return [{"field": name, "value": value, "limit": limit, "message": message}]
 
 
-def as_text(frame: dict[str, Any]) -> str:
+def as_text(frame: dict[str, Any] | None) -> str:
     return json.dumps(frame, separators=(",", ":"))
 
 
@@ -343,7 +343,7 @@ def _add_console(app: FastAPI, desk: Desk) -> None:
 
     @app.get("/api/v1/console/decision", tags=tags, response_model=DecisionFrame | None)
     async def decision() -> JSONResponse:
-        """Why the running step, or why there is none; null while nothing was decided."""
+        """Why the running step, or why there is none; null while it stands and nothing was refused."""
         return JSONResponse(decision_frame(clock.newest))
 
     @app.put("/api/v1/console/command", tags=tags, status_code=202)
@@ -621,9 +621,9 @@ def _add_sockets(app: FastAPI, desk: Desk) -> None:
                     if newest.ahead is not foreseen:
                         foreseen = newest.ahead
                         await sent(socket, as_text(ahead_frame(newest) or {"type": "ahead"}))
-                    if newest.decision is not decided:
+                    if newest.decision is not None and newest.decision is not decided:
                         decided = newest.decision
-                        await sent(socket, as_text(decision_frame(newest) or {"type": "decision"}))
+                        await sent(socket, as_text(decision_frame(newest)))
                 await asyncio.sleep(1.0 / SHOW_RATE)
                 if desk.text() is shown and told == operator.revision and not refused:
                     await desk.pulse.wait()

@@ -251,6 +251,7 @@ const hear = {
   ahead({ frame }) { strips.segments.foresee(frame); },
   snapshot({ frame }) {
     const first = newest === null;
+    if (!first && frame.tick < newest.tick) why.forget(); // another world, or its beginning
     newest = frame;
     if (first) document.body.classList.add("live");
     show(frame);

@@ -28,8 +28,13 @@ export class Why {
   }
 
   tell(frame, legs) {
-    this.frame = frame.legs ? frame : null;
+    this.frame = frame;
     this.legs = legs;
+    this.#draw();
+  }
+
+  forget() {
+    this.frame = null;
     this.#draw();
   }
 
