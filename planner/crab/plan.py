@@ -16,6 +16,7 @@ from .height import CLEARANCE, body_height, ground_ahead, height_range, lift, to
 from .landing import Landing, corners_of, domain_of, ground_of
 from .standard import LEAN, Posture, Standard, posture_of, standard_for
 from .trajectory import Knot, Swing, Timing, knots, speed_limit, timing
+from .turning import plan_turn, turns
 from .xy import Notes, Shift, Step, decide, exits_of
 
 LEG_CHECKS = (0.25, 0.5, 0.75, 1.0)  # shares of a step at which the legs are held against tall things; 6 cm apart at most
@@ -200,6 +201,15 @@ def build(
         landing=landing,
         decision=notes,
     )
+
+
+def searched(standard: Standard, posture: Posture, step: Step) -> list[list[float]]:
+    """Corners of D_u in the absolute frame, for the decision trace; the leg's whole reach where a lookahead went beyond D_u."""
+    domain = domain_of(standard, posture.feet, exits_of(standard, posture), step.leg, step.g, step.convergent)
+    x1, x2, y1, y2 = domain.box
+    reach = [(x1, y1), (x2, y1), (x2, y2), (x1, y2)]
+    corners = corners_of(domain) if domain.refuses(step.landing.x, step.landing.y) is None else reach
+    return [list(posture.absolute(x, y)) for x, y in corners]
 
 
 def _clock(
