@@ -80,6 +80,12 @@ def tell(address: str, action: str) -> None:
     urllib.request.urlopen(urllib.request.Request(f"{address}/api/v1/console/{action}", method="POST"), timeout=10).close()
 
 
+def load(address: str, body: dict[str, Any]) -> None:
+    words = json.dumps(body).encode()
+    headers = {"content-type": "application/json"}
+    urllib.request.urlopen(urllib.request.Request(f"{address}/api/v1/console/scenario", words, headers, method="PUT"), timeout=30).close()
+
+
 def until(page: Page, holds: Callable[[], bool]) -> None:
     """Let the page run until something holds; fails when it never does."""
     for _ in range(int(PATIENCE * 1000 / POLL)):
@@ -153,6 +159,24 @@ def test_held_keys_walk_whichever_part_has_the_focus(address: str, page: Page) -
     until(page, lambda: now(address)["speed_m_s"] > 0.0 and abs(now(address)["crab_angle_rad"]) == pytest.approx(3.1416, abs=0.01))
     page.keyboard.up("ArrowDown")
     until(page, lambda: now(address)["speed_m_s"] == 0.0)
+
+
+def test_a_hexapod_walks_and_turns_on_the_spot_by_keys_and_shows_its_footholds(address: str, page: Page) -> None:
+    terrain = {"kind": "footholds", "fraction": 0.1}
+    load(address, {"scenario": {"name": "six", "robot": "hexapod", "planner": "trace", "terrain": terrain}})
+    until(page, lambda: page.locator("#segments").is_visible() and page.locator("#turn-slider").is_visible())
+    page.keyboard.down("w")
+    until(page, lambda: now(address)["distance_m"] > 0.05)
+    page.keyboard.up("w")
+    until(page, lambda: now(address)["mode"] == "stand")
+    place = now(address)["body"]
+    page.keyboard.down("q")
+    until(page, lambda: now(address)["body"][5] > place[5] + 0.05)
+    page.keyboard.up("q")
+    assert now(address)["body"][:2] == pytest.approx(place[:2], abs=0.05)
+    until(page, lambda: now(address)["mode"] == "stand")
+    load(address, {"name": "flat"})
+    until(page, lambda: not page.locator("#segments").is_visible())
 
 
 def test_space_stops_for_everybody_until_it_is_released(address: str, page: Page) -> None:
