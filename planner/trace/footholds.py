@@ -85,6 +85,8 @@ class Field:
             return
         exists = self._exists(leg, px, py, pz)
         usable = np.nonzero(exists.any(axis=(1, 2)))[0]
+        if not len(usable):
+            return
         packed = np.packbits(np.pad(exists[usable], ((0, 0), (0, 0), (0, 1))).reshape(len(usable), -1), axis=1, bitorder="little")
         for p, bits in zip(usable.tolist(), packed, strict=True):
             self._add(leg, (float(px[p]), float(py[p]), float(pz[p])), int.from_bytes(bits.tobytes(), "little"))

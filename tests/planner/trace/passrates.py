@@ -40,8 +40,8 @@ def rate(name: str, fraction: float, seeds: int) -> tuple[int, float, int]:
 def main(folder: Path, seeds: int) -> None:
     gaits = ("free", "wave", "ripple", "tripod", "gallop")
     table = {}
-    for fraction in (1.0, *FRACTIONS):
-        for name in gaits:
+    for name in gaits:
+        for fraction in (1.0, *FRACTIONS):
             count = seeds if name == "free" and fraction < 1.0 else max(seeds // 4, 5)
             table[name, fraction] = (*rate(name, fraction, count), count)
             print(fraction, name, table[name, fraction], flush=True)
