@@ -40,6 +40,8 @@ def settle_plan(stance: Stance, leg: int, terrain: TerrainMap, machine: Machine,
 
 def settle_together(stance: Stance, legs: Sequence[int], terrain: TerrainMap, machine: Machine, gait: Gait) -> StepPlan | Blocked:
     """Set several lifted feet down at once, each on its nearest ground; one without ground stays lifted. Blocked when all are."""
+    if stance.lifted:
+        stance = replace(stance, lifted=())
     if len(legs) == 1:
         return settle_plan(stance, legs[0], terrain, machine, gait)
     plans = {leg: plan for leg in legs if isinstance(plan := settle_plan(stance, leg, terrain, machine, gait), StepPlan)}

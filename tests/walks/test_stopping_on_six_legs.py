@@ -45,3 +45,19 @@ def test_feet_still_in_the_air_when_it_stands_are_not_meant_to_carry() -> None:
     carrying = console.walk.carrying()
     assert all(sole for sole, carries in zip(console.plant.soles, carrying, strict=True) if carries)
     assert all(console.plant.soles[leg] or leg in console.walk.stance.lifted for leg in swinging)
+
+
+def test_a_leg_that_waited_in_the_air_carries_again_once_it_is_set_down() -> None:
+    console = Console(prepare(scenario_from(
+        {"name": "six", "robot": "hexapod", "planner": "trace", "terrain": {"kind": "footholds", "fraction": 0.02}, "seed": 2,
+         "trace": {"kind": "sine"}}, None)))  # fmt: skip
+    for _ in range(400):
+        console.order(Command(speed=0.1))
+        console.tick()
+        if console.walk.kind == "step" and console.walk.stance.lifted:
+            break
+    assert console.walk.stance.lifted
+    for _ in range(150):
+        console.order(Command())
+        console.tick()
+    assert console.walk.kind == "stand" and console.walk.stance.lifted == () and all(console.plant.soles)
