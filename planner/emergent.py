@@ -26,6 +26,7 @@ LIFT_STEP = 0.05  # m a leg is lifted on at a time when the obstacle is still th
 SLOWER = 0.5  # of the swing speed: "somewhat lower velocity" (H §9.2 b)
 EDGE_LENGTH = 0.30  # m of a sensed edge that is marked, along it
 EDGE_DEPTH = 0.10  # m of a sensed edge that is marked, across it
+SHY = 0.04  # m: how much farther from where there was no ground it searches with each miss; smaller, see it feel out every cell
 HITS_MAX = 40  # of one foot before it is set down wherever it may be; reached only between walls
 
 
@@ -95,10 +96,12 @@ class Encounter:
     leg: int
     goal: Point  # J_u of the step that was cut short
     hits: int = 0
+    misses: int = 0  # times no ground was found
 
     def after(self, event: Event) -> Encounter:
         """The encounter once ``event`` has happened; raises ``KeyError`` for an event its state does not know."""
-        return replace(self, state=TABLE[self.state, event], hits=self.hits + (event is Event.HIT))
+        hits, misses = self.hits + (event is Event.HIT), self.misses + (event is Event.NO_GROUND)
+        return replace(self, state=TABLE[self.state, event], hits=hits, misses=misses)
 
 
 class Situation(NamedTuple):
@@ -219,6 +222,18 @@ def edge_cells(foot: Point, bearing: float, terrain: TerrainMap) -> set[tuple[in
             if cell is not None:
                 cells.add(cell)
     return cells
+
+
+def cells_near(foot: Point, radius: float, terrain: TerrainMap) -> set[tuple[int, int]]:
+    """Cells whose centre is within ``radius`` of a foot, seen from above."""
+    reach = math.ceil(radius / terrain.cell)
+    at = terrain.cell_at(foot[0], foot[1])
+    if at is None:
+        return set()
+    rows = range(max(0, at[0] - reach), min(terrain.rows - 1, at[0] + reach) + 1)
+    columns = range(max(0, at[1] - reach), min(terrain.columns - 1, at[1] + reach) + 1)
+    centres = ((row, column, *terrain.centre(row, column)) for row in rows for column in columns)
+    return {(row, column) for row, column, x, y in centres if math.hypot(x - foot[0], y - foot[1]) <= radius}
 
 
 def cell_of(foot: Point, terrain: TerrainMap) -> set[tuple[int, int]]:

@@ -13,7 +13,21 @@ import math
 from collections.abc import Callable, Generator
 from dataclasses import replace
 
-from .emergent import HITS_MAX, KINDS, Encounter, Event, Situation, State, at_top, cell_of, edge_cells, felt_ahead, motion
+from .emergent import (
+    HITS_MAX,
+    KINDS,
+    SHY,
+    Encounter,
+    Event,
+    Situation,
+    State,
+    at_top,
+    cell_of,
+    cells_near,
+    edge_cells,
+    felt_ahead,
+    motion,
+)
 from .machine import Machine
 from .reflex import Gains, Playback, ReflexState, holding_plan, reflex
 from .settle import settle_together
@@ -69,6 +83,7 @@ class Walk:
         self._ready: StepPlan | Blocked | None = None
         self._asked: tuple[Stance, Command, TerrainMap] | None = None
         self._learnt: set[tuple[int, int]] = set()
+        self._shunned: set[tuple[int, int]] = set()  # near where this encounter found no ground: searched last, not remembered
 
     # what others may ask
 
@@ -292,6 +307,8 @@ class Walk:
         """From hovering: the step goes on where it was held; a stranded foot searches again."""
         self.kind, self.blocked = self._hovered, None
         if self.kind == "emergent" and self.encounter is not None:
+            self._shunned = set()
+            self.encounter = replace(self.encounter, misses=0)
             self._follow(self.encounter.after(Event.ORDER), sensing, None, terrain)
 
     def _play(self, plan: StepPlan, kind: str) -> None:
@@ -332,6 +349,7 @@ class Walk:
         self.reflexes = self.reflexes.next_step()
         self.kind, self.t, self.pace = "stand", 0.0, 0.0
         self.encounter = None
+        self._shunned = set()
         self.blocked = None
         self._refused = None
         self._waited = 0
@@ -412,7 +430,9 @@ class Walk:
         answer: StepPlan | Blocked
         if encounter.state is State.SEARCH:
             found = replace(encounter, state=State.PLACE)
-            answer = motion(found, Situation(here, bearing, terrain.forbid(self._learnt), self.machine, self.gait))
+            self._shunned |= cells_near(here.feet[encounter.leg], SHY * encounter.misses, terrain)
+            searched = terrain.forbid(self._learnt | self._shunned)
+            answer = motion(found, Situation(here, bearing, searched, self.machine, self.gait))
             encounter = encounter.after(Event.NOTHING if isinstance(answer, Blocked) else Event.FOUND)
         else:
             answer = motion(encounter, Situation(here, bearing, terrain, self.machine, self.gait))

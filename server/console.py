@@ -283,6 +283,9 @@ class Console:
         """Planar path of the centre of gravity along the commanded direction; turning alone is no way."""
         if dx == 0.0 and dy == 0.0:
             return
+        if self.world.scenario.trace is not None:  # the commanded direction is the trace's own
+            self.distance += math.hypot(dx, dy)
+            return
         heading = self.plant.body[5] + command.crab_angle
         self.distance += dx * math.cos(heading) + dy * math.sin(heading)
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from planner.machine import as_data, machine_from
+from planner.trace.plan import ARRIVED
 from planner.vocabulary import Command
 from planner.walk import DT
 from sim.scenarios import Scenario, scenario_from
@@ -74,6 +75,8 @@ def _walk_to_end(console: Console, recorder: Recorder, scenario: Scenario, progr
             return "fell", console.reason
         if distance_end is not None and console.distance >= distance_end - 1e-9:
             return "completed", "distance"
+        if console.walk.blocked is not None and console.walk.blocked.reason == ARRIVED:
+            return "completed", ARRIVED
         blocked_ticks = blocked_ticks + 1 if console.walk.blocked is not None else 0
         if blocked_ticks * DT >= BLOCKED_LIMIT and index >= last_order:
             return "blocked", console.reason

@@ -9,7 +9,7 @@ from planner.emergent import TABLE, Event, State
 from planner.support import MARGIN_SLACK
 from planner.terrain import TerrainMap
 from planner.vocabulary import Command, Mode
-from server.console import Console, prepare
+from server.console import HOLD, Console, Edit, prepare
 from sim.scenarios import load_scenario
 
 SLOW = Command(0.0, 0.05)
@@ -101,3 +101,46 @@ def test_what_was_learnt_stays_learnt():
         forbidden = int(console.belief.forbidden.sum())
         assert forbidden >= known
         known = forbidden
+
+
+def test_a_foothold_on_an_edge_is_left_again_and_a_strip_along_the_edge_is_marked():
+    console = blind("stairs-up", "terrain.at=1.0")  # here a foot comes down on the very edge of a step
+    begun = int(console.belief.forbidden.sum())
+    met = set(states_met(console, SLOW, 1600))
+    assert State.WITHDRAW in met
+    assert int(console.belief.forbidden.sum()) - begun > 6  # more than the cells under a sole
+
+
+def test_a_foot_without_any_ground_waits_with_a_reason_and_goes_on_when_there_is_some():
+    console = blind("flat")
+    console.order(SLOW)
+    while console.mode is not Mode.RETURN:
+        console.tick()
+    leg = console.walk.plan.swing[0]
+    x, y, _ = console.walk.plan.landing
+    standing = [foot[:2] for i, foot in enumerate(console.plant.feet) if i != leg]
+    ground = console.ground
+    row, column = ground.cell_at(x, y)
+    hole = tuple(
+        (r, c)
+        for r in range(row - 14, row + 15)
+        for c in range(column - 22, column + 23)
+        if all(max(abs(ground.centre(r, c)[0] - fx), abs(ground.centre(r, c)[1] - fy)) > 0.1 for fx, fy in standing)
+    )
+    belief = console.belief
+    console.request(Edit("dig", hole))
+    console.drain()
+    console.belief = belief  # the machine does not know
+    for _ in range(1500):
+        console.tick()
+        if console.mode is Mode.BLOCKED:
+            break
+    assert console.walk.encounter.state is State.STRANDED
+    assert "no ground within reach" in console.reason
+    console.request(Edit("clear", hole))
+    console.order(HOLD)
+    console.tick()
+    console.order(SLOW)
+    states = states_met(console, SLOW, 1500)
+    assert State.NORMAL in states
+    assert console.mode not in (Mode.BLOCKED, Mode.EMERGENT)
