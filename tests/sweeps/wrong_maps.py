@@ -100,6 +100,8 @@ def main() -> None:
         hanging += int(outcome["hanging"])  # type: ignore[call-overload]
         if outcome["result"] != "reached" or outcome["hanging"]:
             print(seed, outcome, flush=True)
+        elif seed % 10 == 9:
+            print(f"up to seed {seed}: {dict(results)}", flush=True)
     print(dict(results), "hanging feet at step switches:", hanging)
 
 
