@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ..course import EDGE, Box
 from ..machine import Machine
+from ..support import MARGIN_SLACK
 from ..terrain import TerrainMap
 from ..vocabulary import Array, Point
 
@@ -66,6 +67,7 @@ class Field:
         self._x, self._y = np.pad(lane.x, pad).ravel(), np.pad(lane.y, pad).ravel()
         self._row = (1 << self.width) - 1
         self._edges: dict[tuple[int, int], int] = {}
+        self._least: dict[tuple[int, int], float] = {}  # edges the machine is nearer to than the margin where it stands now
         self._stable: dict[Feet, int] = {}
         self._valid: dict[Feet, int] = {}
         self._cells = allowed_cells(lane, terrain, machine, thin)
@@ -83,7 +85,7 @@ class Field:
         px, py, pz = self._cells
         if not len(px):
             return
-        exists = self._exists(leg, px, py, pz)
+        exists = self._exists(px, py, pz, self.machine.legs[leg].box, self.machine.legs[leg].z)
         usable = np.nonzero(exists.any(axis=(1, 2)))[0]
         if not len(usable):
             return
@@ -91,10 +93,9 @@ class Field:
         for p, bits in zip(usable.tolist(), packed, strict=True):
             self._add(leg, (float(px[p]), float(py[p]), float(pz[p])), int.from_bytes(bits.tobytes(), "little"))
 
-    def _exists(self, leg: int, px: Array, py: Array, pz: Array) -> NDArray[np.bool_]:
-        """(points, rows, samples): where each point is inside the leg's reach box."""
+    def _exists(self, px: Array, py: Array, pz: Array, box: Box, z: tuple[float, float]) -> NDArray[np.bool_]:
+        """(points, rows, samples): where each point is inside a leg's reach box."""
         exists = np.zeros((len(px), self.rows, self.count), dtype=bool)
-        box, z = self.machine.legs[leg].box, self.machine.legs[leg].z
         for begin in range(0, self.count, CHUNK):
             part = slice(begin, min(begin + CHUNK, self.count))
             near = self._near(px, py, box, part)
@@ -137,11 +138,40 @@ class Field:
         """The foothold a leg stands on now, as a numbered one; a foot out of reach can only stand where it is."""
         for number in self.by_leg[leg]:
             hold = self.holds[number]
-            if abs(hold.x - foot[0]) < 1e-9 and abs(hold.y - foot[1]) < 1e-9:
+            if abs(hold.x - foot[0]) < 1e-9 and abs(hold.y - foot[1]) < 1e-9 and self.reach[number] >> sample & 1:
                 return number
-        exists = self._exists(leg, *(np.array([v]) for v in foot))
+        box, z = self._stretched(leg, foot, sample)
+        x, y, height = (np.array([v]) for v in foot)
+        exists = self._exists(x, y, height, box, z)
         mask = _bits(np.pad(exists[0], ((0, 0), (0, 1))).ravel())
         return self._add(leg, foot, mask | 1 << sample)
+
+    def _stretched(self, leg: int, foot: Point, sample: int) -> tuple[Box, tuple[float, float]]:
+        """A leg's reach box, stretched to where its foot is now: a foot out of reach may come nearer, never go farther out."""
+        row, k = divmod(sample, self.width)
+        yaw, description = float(self.lane.yaw[k]), self.machine.legs[leg]
+        dx, dy, dz = foot[0] - float(self.lane.x[row, k]), foot[1] - float(self.lane.y[row, k]), foot[2] - float(self.lane.z[k])
+        bx, by = math.cos(yaw) * dx + math.sin(yaw) * dy, math.cos(yaw) * dy - math.sin(yaw) * dx
+        (x0, x1), (y0, y1), (z0, z1) = description.x, description.y, description.z
+        return (min(x0, bx), max(x1, bx), min(y0, by), max(y1, by)), (min(z0, dz), max(z1, dz))
+
+    def accept(self, feet: Feet, sample: int) -> bool:
+        """Take the machine as it stands: where it is less stable than the margin asks it may become more so, never less.
+
+        (A stop in mid-step sets feet down wherever there is ground.) False when it does not stand at all.
+        """
+        corners = self._hull(feet)
+        if len(corners) < 3:
+            return False
+        x, y = float(self._x[sample]), float(self._y[sample])
+        for a, b in zip(corners, corners[1:] + corners[:1], strict=True):
+            p, q = self.holds[a], self.holds[b]
+            inside = ((q.x - p.x) * (y - p.y) - (q.y - p.y) * (x - p.x)) / math.hypot(q.x - p.x, q.y - p.y)
+            if inside < -MARGIN_SLACK:
+                return False
+            if inside < self.margin:
+                self._least[a, b] = inside
+        return bool(self.valid(feet) >> sample & 1)
 
     # which sets of feet carry where
 
@@ -153,12 +183,29 @@ class Field:
         return mask
 
     def _stability(self, feet: Feet) -> int:
+        mask = self.everywhere
+        edges = self._edges
+        corners = self._hull(feet)
+        if len(corners) < 3:
+            return 0
+        a = corners[-1]
+        for b in corners:
+            edge = edges.get((a, b))
+            if edge is None:
+                edge = edges[a, b] = self._edge(a, b)
+            mask &= edge
+            if not mask:
+                return 0
+            a = b
+        return mask
+
+    def _hull(self, feet: Feet) -> list[int]:
+        """Footholds at the corners of the polygon of the standing feet, counter-clockwise."""
         holds = self.holds
         corners = sorted([(holds[f].x, holds[f].y, f) for f in feet if f >= 0])
         if len(corners) < 3:
-            return 0
-        mask = self.everywhere
-        edges = self._edges
+            return []
+        hull: list[int] = []
         for side in (corners, corners[::-1]):
             chain: list[tuple[float, float, int]] = []
             for corner in side:
@@ -170,16 +217,8 @@ class Field:
                         break
                     chain.pop()
                 chain.append(corner)
-            a = chain[0][2]
-            for _, _, b in chain[1:]:
-                edge = edges.get((a, b))
-                if edge is None:
-                    edge = edges[a, b] = self._edge(a, b)
-                mask &= edge
-                if not mask:
-                    return 0
-                a = b
-        return mask
+            hull += [corner[2] for corner in chain[:-1]]
+        return hull
 
     def _edge(self, a: int, b: int) -> int:
         """Samples at which the centre of gravity is the margin to the left of the line from foothold a to b."""
@@ -190,7 +229,8 @@ class Field:
             return 0
         distance = (ex / length) * self._y
         distance -= (ey / length) * self._x
-        return _bits(distance >= self.margin - EDGE + (ex * p.y - ey * p.x) / length)
+        least = self._least.get((a, b), self.margin)
+        return _bits(distance >= least - EDGE + (ex * p.y - ey * p.x) / length)
 
     def valid(self, feet: Feet) -> int:
         """Existence segments of a state: samples at which every standing foot is in reach and the machine is stable."""

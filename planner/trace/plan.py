@@ -238,7 +238,7 @@ def predicting(
             field.find(leg)
         yield
         start = State(_standing(field, stance, now - first), now - first)
-        if not field.valid(start.feet) >> start.at & 1:
+        if not field.accept(start.feet, start.at):
             break
         if rigid is None:
             found = yield from search(field, start, goal, count)

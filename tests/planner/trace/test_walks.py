@@ -191,6 +191,38 @@ def test_it_leaves_a_posture_that_is_not_its_own() -> None:
     assert faults_of(answer, moved, HEXAPOD, SPARSE) == []
 
 
+def test_feet_set_down_beyond_their_rectangles_are_walked_away_from() -> None:
+    """A stop in mid-step may use the mechanical reach: such a foot stays until it is lifted, and gets no farther out."""
+    stance = standing_start(HEXAPOD, gait_of(HEXAPOD), 0.0, 0.0, 0.0, lambda x, y: 0.0)
+    astray = Stance((0.33, 0.02, stance.body[2], 0.0), stance.feet, course=0.33)  # fore feet 3 cm behind, hind feet 3 cm beyond
+    walked = walk(HEXAPOD, SPARSE, WALKING, trace_for({"kind": "line"}, HEXAPOD), stance=astray, until=2.0)
+    assert walked.blocked is None and walked.stance.course >= 2.0
+    assert all("out of reach" in fault for fault in walked.faults)
+    assert max(int(fault.split()[1].rstrip(":")) for fault in walked.faults) <= 6  # every foot has stepped by then
+    for plan in walked.steps:
+        for leg in set(range(6)) - set(plan.swing):
+            seen = plan.feet[:, leg, 0] - plan.body[:, 0]
+            assert HEXAPOD.legs[leg].x[0] - 0.031 <= seen.min() and seen.max() <= HEXAPOD.legs[leg].x[1] + 1e-6
+
+
+@pytest.mark.parametrize("margin", (0.0, 0.004))
+def test_a_posture_less_stable_than_the_margin_is_left_without_becoming_less_so(margin: float) -> None:
+    stance = standing_start(HEXAPOD, gait_of(HEXAPOD), 0.0, 0.0, 0.0, lambda x, y: 0.0)
+    (ax, ay), (bx, by) = stance.feet[4][:2], stance.feet[0][:2]  # the edge the body is about to cross
+    x = (ax + bx) / 2 - margin * math.hypot(bx - ax, by - ay) / (by - ay)
+    leaning = Stance((x, 0.0, stance.body[2], 0.0), stance.feet, lifted=(1, 3, 5), course=x)
+    walked = walk(HEXAPOD, SPARSE, WALKING, trace_for({"kind": "line"}, HEXAPOD), stance=leaning, until=2.0)
+    assert [fault for fault in walked.faults if "margin" in fault] == []
+    assert walked.blocked is None and walked.stance.course >= 2.0
+
+
+def test_a_machine_that_does_not_stand_has_no_step() -> None:
+    stance = standing_start(HEXAPOD, gait_of(HEXAPOD), 0.0, 0.0, 0.0, lambda x, y: 0.0)
+    toppling = Stance((0.36, 0.0, stance.body[2], 0.0), stance.feet, lifted=(1, 3, 5), course=0.36)
+    answer = plan_step(toppling, WALKING, SPARSE, HEXAPOD, gait_of(HEXAPOD), trace=trace_for({"kind": "line"}, HEXAPOD))
+    assert isinstance(answer, Blocked) and "stable" in answer.reason
+
+
 def test_over_rough_ground_the_body_follows_and_feet_clear_the_crests() -> None:
     rng = np.random.default_rng(3)
     rows = columns = 320
