@@ -119,7 +119,9 @@ class Playback:
 
 def _stretch(plan: StepPlan, k: int, times: list[float], body: list[list[float]], feet: list[list[list[float]]]) -> _Stretch:
     phase, legs = plan.phases[k], range(len(feet[0]))
-    air = () if phase is Phase.SUPPORT else plan.swing
+    air = plan.swing
+    if phase is Phase.SUPPORT:  # a supporting foot does not move in the absolute frame; one that waits in the air goes with the body
+        air = tuple(leg for leg in air if feet[k][leg] != feet[k + 1][leg])
     stand = tuple(leg for leg in legs if leg not in air)
     duration = times[k + 1] - times[k]
     per_second = 1.0 / duration if duration > 0.0 else 0.0

@@ -49,6 +49,14 @@ class TestPlayback:
             assert playback.body_at(float(t)) == pytest.approx(tuple(body), abs=1e-15)
             assert playback.foot_at(0, float(t)) == pytest.approx(tuple(feet[0]), abs=1e-15)
 
+    def test_a_leg_that_waits_in_the_air_while_the_others_carry_the_body_on_does_not_carry(self):
+        plan = swing_plan()
+        plan.feet[:2, 0, 2] = 0.1
+        plan.feet[:2, 0, 0] = FEET[0][0] + plan.body[:2, 0]
+        out, _ = follow(plan, 0.02, sensed(feet=((FEET[0][0], FEET[0][1], 0.1), *FEET[1:]), soles=(False, True, True, True)))
+        assert out[0] == pytest.approx((0.0, 0.0, 0.0), abs=1e-9)  # it goes with the body and does not reach for the ground
+        assert out[1] == pytest.approx((-0.1, 0.0, 0.0), abs=1e-9)
+
     def test_time_may_run_back_as_when_a_foot_retraces_its_way(self):
         playback = Playback(swing_plan())
         assert [playback.phase(t) for t in (0.9, 0.6, 0.3, 0.1)] == [Phase.DOWN, Phase.RETURN, Phase.UP, Phase.SUPPORT]
