@@ -12,7 +12,11 @@ from pathlib import Path
 from typing import Any
 
 LEGS_MIN, LEGS_MAX = 4, 8
+NUMBER_MAX = 1e6
+LENGTH_MAX = 10.0  # m: beyond it maps and searches outgrow memory, and nothing walks
+FOOT_MAX = 0.5  # m
 CRAB_LEGS = 4
+FILE_BYTES_MAX = 1_000_000
 
 
 class MachineError(ValueError):
@@ -122,19 +126,37 @@ def load_machine(name_or_path: str, relative_to: Path | None = None) -> Machine:
         text = (resources.files("planner") / "machines" / f"{name_or_path}.toml").read_text("utf-8")
         return machine_from(_parse(text, name_or_path))
     path = (relative_to or Path()) / name_or_path
-    if not name_or_path.endswith(".toml") or not path.is_file():
-        raise MachineError(f"unknown robot {name_or_path!r}; there are: {', '.join(machine_names())}, or a path to a robot TOML file")
+    if not name_or_path.endswith(".toml") or not is_file(path):
+        raise MachineError(f"unknown robot {name_or_path!r:.200}; there are: {', '.join(machine_names())}, or a path to a robot TOML file")
     try:
+        if path.stat().st_size > FILE_BYTES_MAX:
+            raise MachineError(f"robot file {name_or_path!r} is larger than {FILE_BYTES_MAX} bytes")
         text = path.read_text("utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise MachineError(f"cannot read robot file {name_or_path!r}: {error}") from None
     return machine_from(_parse(text, name_or_path))
 
 
+def is_file(path: Path) -> bool:
+    """Whether a file is there to be read; a path that no system could have names none."""
+    try:
+        return path.is_file()
+    except OSError:  # too long a name, a folder nobody may look into
+        return False
+
+
+def shown(value: Any) -> str:
+    """A refused value in at most 80 characters."""
+    try:
+        return f"{value!r:.80}"
+    except (ValueError, RecursionError):  # an integer of thousands of digits, tables in tables in tables
+        return "a number too long to show" if isinstance(value, int) else "a value too large to show"
+
+
 def _parse(text: str, name: str) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except (ValueError, RecursionError) as error:  # TOMLDecodeError, and integers of thousands of digits
         raise MachineError(f"robot file {name!r} is not valid TOML: {error}") from None
 
 
@@ -143,7 +165,7 @@ def machine_from(data: Mapping[str, Any]) -> Machine:
     faults: list[str] = []
     for key in data:
         if key not in _KNOWN:
-            faults.append(f"unknown key {key!r}; there are: {', '.join(_KNOWN)}")
+            faults.append(f"unknown key {key!r:.80}; there are: {', '.join(_KNOWN)}")
     words = {key: _word(data, key, faults) for key in _WORDS}
     numbers = {key: _number(data.get(key), key, faults) for key in _NUMBERS}
     triples = {key: _numbers(data.get(key), key, 3, faults) for key in _TRIPLES}
@@ -174,28 +196,28 @@ def as_data(machine: Machine) -> dict[str, Any]:
 def _word(data: Mapping[str, Any], key: str, faults: list[str]) -> str:
     value = data.get(key)
     if not isinstance(value, str) or not value.strip() or len(value) > 500:
-        faults.append(f"{key} must be a text of 1 to 500 characters, got {value!r:.80}")
+        faults.append(f"{key} must be a text of 1 to 500 characters, got {shown(value)}")
         return ""
     return value
 
 
 def _number(value: Any, key: str, faults: list[str]) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value) or abs(value) > 1e6:
-        faults.append(f"{key} must be a finite number, got {value!r:.80}")
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= NUMBER_MAX:
+        faults.append(f"{key} must be a finite number of at most {NUMBER_MAX:g}, got {shown(value)}")
         return 0.0
     return float(value)
 
 
 def _numbers(value: Any, key: str, count: int, faults: list[str]) -> tuple[float, ...]:
     if not isinstance(value, list) or len(value) != count:
-        faults.append(f"{key} must be a list of {count} numbers, got {value!r:.80}")
+        faults.append(f"{key} must be a list of {count} numbers, got {shown(value)}")
         return (0.0,) * count
     return tuple(_number(item, f"{key}[{index}]", faults) for index, item in enumerate(value))
 
 
 def _legs(value: Any, faults: list[str]) -> tuple[Leg, ...]:
     if not isinstance(value, list) or not LEGS_MIN <= len(value) <= LEGS_MAX:
-        got = len(value) if isinstance(value, list) else repr(value)[:80]
+        got = len(value) if isinstance(value, list) else shown(value)
         faults.append(f"legs must be {LEGS_MIN} to {LEGS_MAX} tables, got {got}")
         return ()
     legs = []
@@ -223,11 +245,23 @@ def _check_numbers(numbers: Mapping[str, float], triples: Mapping[str, tuple[flo
             faults.append(f"{key} must be positive, got {list(triples[key])}")
     if not all(value >= 0 for value in triples["overreach"]):
         faults.append(f"overreach must not be negative, got {list(triples['overreach'])}")
+    for key in ("height", "yaw_length", "lift_up", "lift_down"):
+        if numbers[key] > LENGTH_MAX:
+            faults.append(f"{key} must be at most {LENGTH_MAX:g} m, got {numbers[key]:g}")
+    for key in ("torso", "overreach"):
+        if max(triples[key]) > LENGTH_MAX:
+            faults.append(f"{key} must be at most {LENGTH_MAX:g} m, got {list(triples[key])}")
+    if numbers["foot_radius"] > FOOT_MAX:
+        faults.append(f"foot_radius must be at most {FOOT_MAX:g} m, got {numbers['foot_radius']:g}")
     if numbers["lift_down"] < numbers["lift_up"]:
         faults.append(f"lift_down must be at least lift_up {numbers['lift_up']:g}, got {numbers['lift_down']:g}")
 
 
 def _check_stance(legs: tuple[Leg, ...], numbers: Mapping[str, float], faults: list[str]) -> None:
+    for number, leg in enumerate(legs, 1):
+        for axis, span in (("x", leg.x), ("y", leg.y), ("z", leg.z)):
+            if max(abs(span[0]), abs(span[1])) > LENGTH_MAX:
+                faults.append(f"leg {number} {axis} must be within {LENGTH_MAX:g} m, got {list(span)}")
     low, high = max(leg.z[0] for leg in legs), min(leg.z[1] for leg in legs)
     if not low <= -numbers["height"] <= high:
         faults.append(f"height {numbers['height']:g} is outside the legs' common z range [{-high:g}, {-low:g}]")

@@ -18,6 +18,8 @@ import numpy as np
 from numpy.lib import format as npy
 from PIL import Image
 
+from planner.machine import is_file
+
 from .terrains import CELL_MAX, CELL_MIN, SMOOTH_CELL, Array, Dem, FileTerrain, GroundError, Site, _turn
 
 ARRAY_CELLS_MAX = 1_000_000
@@ -38,8 +40,8 @@ def read_heights(terrain: FileTerrain, base: Path | None) -> Heights:
     reader = _READERS.get(path.suffix.lower())
     if reader is None:
         raise GroundError(f"terrain file {terrain.file!r} must end in one of: {', '.join(sorted(_READERS))}")
-    if not path.is_file():
-        raise GroundError(f"terrain file {terrain.file!r} does not exist" if not path.exists() else f"{terrain.file!r} is not a file")
+    if not is_file(path):
+        raise GroundError(f"terrain file {terrain.file!r} does not exist, or is not a file")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")

@@ -16,7 +16,7 @@ from typing import Annotated, Any, Literal, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationError, model_validator
 
-from planner.machine import Machine
+from planner.machine import Machine, is_file, shown
 from planner.vocabulary import Command
 from planner.vocabulary import Gait as MachineGait
 
@@ -358,6 +358,7 @@ def load_scenario(name_or_path: str, settings: Sequence[str] = (), seed: int | N
 
 def scenario_from(data: Mapping[str, Any], base: Path | None = None) -> Scenario:
     """Build and check a scenario from plain data. Without ``base`` it may not name files. Raises ``ScenarioError``."""
+    _check_integers(data)
     plain = dict(data)
     terrain = plain.get("terrain")
     if isinstance(terrain, Mapping) and "file" in terrain and "kind" not in terrain:
@@ -367,6 +368,18 @@ def scenario_from(data: Mapping[str, Any], base: Path | None = None) -> Scenario
     except ValidationError as error:
         raise ScenarioError(_faults(error)) from None
     return _with_files(scenario, base)
+
+
+def _check_integers(data: Any) -> None:
+    """Refuse integers that TOML has no room for: those of thousands of digits can neither be checked nor said."""
+    waiting: list[tuple[str, Any]] = [("", data)]
+    while waiting:
+        where, value = waiting.pop()
+        if isinstance(value, int) and not -(2**63) <= value < 2**63:
+            raise ScenarioError(f"{where:.200} must be an integer of at most 64 bits")
+        if isinstance(value, Mapping | list):
+            entries = value.items() if isinstance(value, Mapping) else enumerate(value)
+            waiting += [(f"{where}.{key}" if where else str(key), item) for key, item in entries]
 
 
 def _with_files(scenario: Scenario, base: Path | None) -> Scenario:
@@ -390,13 +403,13 @@ def _shipped(name: str) -> str:
 
 
 def _read(path: Path, given: str) -> str:
-    if not given.endswith(".toml") or not path.is_file():
-        raise ScenarioError(f"unknown scenario {given!r}; there are: {', '.join(scenario_names())}, or a path to a scenario TOML file")
+    if not given.endswith(".toml") or not is_file(path):
+        raise ScenarioError(f"unknown scenario {given!r:.200}; there are: {', '.join(scenario_names())}, or a path to a scenario TOML file")
     try:
         if path.stat().st_size > FILE_BYTES_MAX:
             raise ScenarioError(f"scenario file {given!r} is larger than {FILE_BYTES_MAX} bytes")
         return path.read_text("utf-8")
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, ValueError) as error:
         raise ScenarioError(f"cannot read scenario file {given!r}: {error}") from None
 
 
@@ -441,7 +454,7 @@ def _put(table: dict[str, Any], parts: list[str], value: Any, setting: str) -> N
 
 
 def _position(array: list[Any], part: str, where: str) -> int:
-    if not (part.isascii() and part.isdigit()) or int(part[:9]) >= len(array):
+    if not (part.isascii() and part.isdigit() and len(part) <= 9) or int(part) >= len(array):
         raise ScenarioError(f"{where} is an array of {len(array)}; index it with 0 to {len(array) - 1}, not {part!r:.40}")
     return int(part)
 
@@ -479,13 +492,13 @@ def _fault(kind: str, loc: tuple[int | str, ...], message: str, value: Any, cont
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         known = ", ".join(KINDS if loc[0] == "terrain" else TRACES)
         given = value.get("kind") if isinstance(value, dict) else None
-        return f"{f'unknown {where} kind {given!r:.80}' if given is not None else f'{where} needs a kind'}; there are: {known}"
+        return f"{f'unknown {where} kind {shown(given)}' if given is not None else f'{where} needs a kind'}; there are: {known}"
     if kind == "value_error":
         return f"{f'{where}: ' if where else ''}{context['error']}"
     if kind == "missing":
         return f"{where} is missing"
     wanted = message.removeprefix("Input should be ").replace("a valid ", "a ")
-    return f"{where} should be {wanted}, got {value!r:.80}" if wanted != message else f"{where}: {message}, got {value!r:.80}"
+    return f"{where} should be {wanted}, got {shown(value)}" if wanted != message else f"{where}: {message}, got {shown(value)}"
 
 
 def _keys(loc: Sequence[int | str]) -> Iterable[str]:
