@@ -7,13 +7,14 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
+from .course import Sampled
 from .crab import foresee, naive
 from .crab.plan import plan_step
 from .crab.standard import standard_stance
 from .machine import Machine
 from .terrain import TerrainMap
 from .trace.ahead import ahead, course_now
-from .trace.curve import TraceError, trace_for
+from .trace.curve import trace_for
 from .trace.gait import rigid_gait
 from .trace.plan import TraceWalk
 from .vocabulary import Command, Gait, Point, Stance, StepPlan, TraceAhead
@@ -34,14 +35,19 @@ def crab_brain(mode: str, machine: Machine, gait: Gait, *, explain: bool = False
     return CRAB_MODES[mode](machine, gait, explain)
 
 
-def trace_brain(
-    machine: Machine, gait: Gait, trace: Mapping[str, Any] | None, start: Pose, rigid: str | None = None, *, explain: bool = False
-) -> Think:
+def drawn_trace(trace: Mapping[str, Any], machine: Machine, start: Pose) -> Sampled:
+    """A scenario's trace, sampled: too slow for a tick when it is long."""
+    try:
+        return trace_for(trace, machine, start)
+    except ValueError as error:
+        raise BrainError(str(error)) from None
+
+
+def trace_brain(machine: Machine, gait: Gait, course: Sampled | None, rigid: str | None = None, *, explain: bool = False) -> Think:
     """Kugushev and Jaroshevskij's planner, along a given trace or, with none, wherever the joystick leads."""
     try:
-        course = None if trace is None else trace_for(trace, machine, start)
         walk = TraceWalk(machine, gait, course, None if rigid is None else rigid_gait(rigid))
-    except (TraceError, ValueError) as error:
+    except ValueError as error:
         raise BrainError(str(error)) from None
     walk.explain = explain
     return walk

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from planner import brain, support
 from planner.belief import Belief
+from planner.course import Sampled
 from planner.crab.posture import stance_on
 from planner.crab.route import RouteState, plan_route
 from planner.machine import Machine, load_machine
@@ -50,6 +51,7 @@ class World:
     belief: TerrainMap
     forbidden: NDArray[np.bool_]  # true ground, for this machine
     stance: Stance
+    course: Sampled | None = None  # a trace walker's given trace
 
 
 def prepare(scenario: Scenario, machine: Machine | None = None) -> World:
@@ -57,6 +59,7 @@ def prepare(scenario: Scenario, machine: Machine | None = None) -> World:
     machine = machine or load_machine(scenario.robot, scenario.base)
     gait = scenario.gait_for(machine)
     start = scenario.start_pose
+    course = given_trace(scenario, machine)
     posture = stance_at_start(scenario, machine, gait, lambda x, y: 0.0)
     ground = make_ground(
         scenario.terrain, machine, start, scenario.seed, scenario.span(machine), scenario.base, stand=[foot[:2] for foot in posture.feet]
@@ -64,7 +67,17 @@ def prepare(scenario: Scenario, machine: Machine | None = None) -> World:
     forbidden = true_forbidden(ground, machine)
     belief = TerrainMap(ground.heights, forbidden, ground.cell, ground.origin, machine.foot_radius)
     stance = stance_at_start(scenario, machine, gait, ground.height_at)
-    return World(scenario, machine, gait, ground, belief, forbidden, stance)
+    return World(scenario, machine, gait, ground, belief, forbidden, stance, course)
+
+
+def given_trace(scenario: Scenario, machine: Machine) -> Sampled | None:
+    """The scenario's trace, sampled; None without one. Raises ``ScenarioError``."""
+    if scenario.trace is None:
+        return None
+    try:
+        return brain.drawn_trace(scenario.trace.model_dump(), machine, scenario.start_pose)
+    except brain.BrainError as error:
+        raise ScenarioError(f"trace: {error}") from None
 
 
 def stance_at_start(scenario: Scenario, machine: Machine, gait: Gait, height_at: Callable[[float, float], float]) -> Stance:
@@ -155,8 +168,7 @@ class Console:
     def _thinker(self, world: World) -> Think:
         scenario = world.scenario
         if scenario.planner == "trace":
-            trace = None if scenario.trace is None else scenario.trace.model_dump()
-            return brain.trace_brain(world.machine, world.gait, trace, scenario.start_pose, scenario.gait.rigid, explain=self.explain)
+            return brain.trace_brain(world.machine, world.gait, world.course, scenario.gait.rigid, explain=self.explain)
         think = brain.crab_brain(scenario.mode, world.machine, world.gait, explain=self.explain)
         if not scenario.detours or scenario.mode == "naive":
             return think

@@ -20,6 +20,7 @@ from ..vocabulary import Array
 STEP = 0.01  # m of s between samples; coarser costs up to this much of every existence segment
 FINE = 0.002  # m, the drawing step before resampling by s
 JOYSTICK_AHEAD = 4.0  # m of s a joystick's trace reaches ahead of the machine
+LENGTH_MAX = 2000.0  # m of s; a longer trace takes seconds to draw and to look along
 KINDS = ("waypoints", "line", "circle", "sine", "spiral", "turn", "sideways")
 YAWS = ("tangent", "fixed")
 
@@ -35,6 +36,8 @@ def resample(x: Array, y: Array, yaw: Array, yaw_length: float, step: float = ST
     """The polyline at equal steps of s; ``yaw`` continuous, not wrapped."""
     ds = np.sqrt(np.diff(x) ** 2 + np.diff(y) ** 2 + (yaw_length * np.diff(yaw)) ** 2)
     s = np.concatenate([[0.0], np.cumsum(ds)])
+    if not s[-1] <= LENGTH_MAX:
+        raise TraceError(f"a trace may be {LENGTH_MAX:g} m long, this one has {s[-1]:g} m")
     count = max(int(math.floor(s[-1] / step + 1e-6)), 1)
     at = np.arange(count + 1) * step
     along = [np.asarray(np.interp(at, s, values), dtype=np.float64) for values in (x, y, yaw)]
@@ -109,6 +112,8 @@ def _follow(x: Array, y: Array, mode: str) -> tuple[Array, Array, Array]:
 
 
 def _fine(length: float) -> Array:
+    if not abs(length) <= LENGTH_MAX:
+        raise TraceError(f"a trace may be {LENGTH_MAX:g} m long, this one would have {abs(length):g} m")
     return np.linspace(0.0, length, max(int(abs(length) / FINE), 2) + 1)
 
 
