@@ -28,7 +28,7 @@ from fastapi.responses import FileResponse, HTMLResponse, JSONResponse, Redirect
 from starlette.exceptions import HTTPException as StarletteHTTPException
 from starlette.websockets import WebSocketDisconnect
 
-from planner.machine import MachineError, load_machine, machine_names
+from planner.machine import MachineError, is_file, load_machine, machine_names
 from planner.walk import DT
 from sim.ground import GroundError
 from sim.scenarios import Scenario, ScenarioError, list_scenarios, list_terrains, load_scenario, scenario_from, scenario_names
@@ -721,7 +721,7 @@ def _add_pages(app: FastAPI, desk: Desk) -> None:
         suffix = Path(parts[-1]).suffix
         found = page.joinpath(*parts)
         sound = all(part and not part.startswith(".") and "\\" not in part and "\0" not in part for part in parts)
-        if not sound or suffix not in PAGE_FILES or not found.resolve().is_relative_to(page.resolve()) or not found.is_file():
+        if not sound or suffix not in PAGE_FILES or not found.resolve().is_relative_to(page.resolve()) or not is_file(found):
             raise Refusal(404, f"there is nothing at /{path[:200]}")
         return FileResponse(found, headers=page_headers(request))
 

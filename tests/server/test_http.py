@@ -306,3 +306,24 @@ def test_the_documents_come_from_here(client: TestClient, path: str) -> None:
 def test_every_answer_says_how_it_may_be_used(client: TestClient) -> None:
     headers = client.get("/api/v1/health").headers
     assert headers["x-content-type-options"] == "nosniff" and "content-security-policy" in headers
+
+
+@pytest.mark.parametrize(
+    "trace",
+    [
+        {"kind": "waypoints", "waypoints": [[0.0, 0.0], [0.0, 0.0]]},
+        {"kind": "circle", "angle_deg": 0.0},
+        {"kind": "sine", "amplitude": 100.0, "length": 0.1, "distance": 1000.0},
+        {"kind": "waypoints", "waypoints": [[-1000.0, 0.0], [1000.0, 0.0]] * 500},
+    ],
+)
+def test_a_trace_that_cannot_be_drawn_is_refused_before_anything_changes(client: TestClient, trace: dict[str, Any]) -> None:
+    before = client.get("/api/v1/console").json()
+    refusal = problem_of(client.put("/api/v1/console/scenario", json={"scenario": {"planner": "trace", "trace": trace}}), 422)
+    assert refusal["detail"].startswith("trace: ")
+    assert client.get("/api/v1/console").json()["scenario"] == before["scenario"]
+
+
+@pytest.mark.parametrize("path", ["a" * 5000 + ".js", "😀" * 80 + ".js"])
+def test_a_path_too_long_for_any_file_is_not_found(client: TestClient, path: str) -> None:
+    problem_of(client.get(f"/{path}"), 404)
