@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import sys
 from collections.abc import Callable, Iterator
@@ -125,18 +126,20 @@ def empty_directory(out: Path, force: bool) -> Path:
     """``out`` as a new or empty directory; anything else is refused unless ``--force``."""
     from .headless import RunError
 
-    if out.exists() and not out.is_dir():
-        raise RunError(f"--out must be a directory, {str(out)!r} is a file")
-    if out.is_dir() and any(out.iterdir()):
-        if not force:
-            raise RunError(f"--out must be new or empty, {str(out)!r} is not; --force empties it")
-        if not (out / "run.json").is_file():
-            raise RunError(f"--force empties run directories only, {str(out)!r} has no run.json")
-        shutil.rmtree(out)
     try:
+        if out.exists() and not out.is_dir():
+            raise RunError(f"--out must be a directory, {str(out)!r} is a file")
+        if out.is_dir() and any(out.iterdir()):
+            if not force:
+                raise RunError(f"--out must be new or empty, {str(out)!r} is not; --force empties it")
+            if not (out / "run.json").is_file():
+                raise RunError(f"--force empties run directories only, {str(out)!r} has no run.json")
+            shutil.rmtree(out)
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise RunError(f"cannot make the run directory {str(out)!r}: {error.strerror}") from None
+        raise RunError(f"cannot make the run directory {str(out)!r:.300}: {error.strerror}") from None
+    if not os.access(out, os.W_OK | os.X_OK):
+        raise RunError(f"cannot write into the run directory {str(out)!r}")
     return out
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from planner.walk import DT
 
-from .headless import RunError, read_run, rerun
+from .headless import RunError, read_arrays, read_log, read_run, read_steps, rerun
 
 FRAME_TICKS = 3  # one drawn frame of a replay page every 60 ms
 FRAMES_MAX = 6000  # six minutes; longer runs are drawn at fewer frames a second
@@ -40,26 +40,12 @@ def export(directory: Path, to: str, out: Path | None = None) -> Path:
     return path
 
 
-def read_log(directory: Path) -> Columns:
-    """``ticks.npz`` as named arrays."""
-    return _read_npz(directory / "ticks.npz")
-
-
-def _read_npz(path: Path) -> Columns:
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            return {name: file[name] for name in file.files}
-    except (OSError, KeyError, ValueError) as error:
-        raise RunError(f"cannot read {path}: {error}") from None
-
-
 def _to_csv(directory: Path, summary: dict[str, Any], path: Path) -> None:
     """One row a tick, units in the column names."""
-    log = read_log(directory)
+    log, names = read_log(directory), mode_names(summary)
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(_csv_header(log["feet"].shape[1]))
-        names = {number: name for name, number in summary["modes"].items()}
         for row in range(len(log["t"])):
             writer.writerow([
                 repr(float(log["t"][row])),
@@ -71,8 +57,13 @@ def _to_csv(directory: Path, summary: dict[str, Any], path: Path) -> None:
                 repr(float(log["polygon_margin"][row])),
                 *(repr(float(v)) for v in log["command"][row]),
                 int(log["step"][row]),
-                names[int(log["mode"][row])],
+                names.get(int(log["mode"][row]), "?"),
             ])  # fmt: skip
+
+
+def mode_names(summary: dict[str, Any]) -> dict[int, str]:
+    """Names of the numbers in the mode column, from ``run.json``."""
+    return {number: name for name, number in summary["modes"].items() if isinstance(number, int)}
 
 
 def _csv_header(legs: int) -> list[str]:
@@ -84,10 +75,11 @@ def _csv_header(legs: int) -> list[str]:
 
 def _to_npz(directory: Path, summary: dict[str, Any], path: Path) -> None:
     """Log, ground and steps in one uncompressed file; the summary as JSON text under ``run``."""
-    ground = {f"terrain_{name}": array for name, array in _read_npz(directory / "terrain.npz").items()}
-    steps = (directory / "steps.jsonl").read_text("utf-8")
+    ground = {f"terrain_{name}": array for name, array in read_arrays(directory / "terrain.npz", {}).items()}
+    steps = "".join(json.dumps(step) + "\n" for step in read_steps(directory))
     everything: dict[str, Any] = {**read_log(directory), **ground, "run": json.dumps(summary), "steps": steps}
-    np.savez(path, **everything)
+    with path.open("wb") as file:  # a name would be given the suffix .npz when it has none
+        np.savez(file, **everything)
 
 
 def _to_html(directory: Path, summary: dict[str, Any], path: Path) -> None:
@@ -126,7 +118,7 @@ def _to_mcap(directory: Path, summary: dict[str, Any], path: Path) -> None:
     except ImportError:
         raise RunError("writing mcap needs the extra: pip install 'walking-console[mcap]'") from None
     log = read_log(directory)
-    names = {number: name for name, number in summary["modes"].items()}
+    names = mode_names(summary)
     with path.open("wb") as file:
         writer = Writer(file)
         writer.start(profile="", library="walking-console")
@@ -134,9 +126,9 @@ def _to_mcap(directory: Path, summary: dict[str, Any], path: Path) -> None:
         for row in range(len(log["t"])):
             at = round(float(log["t"][row]) * 1e9)
             writer.add_message(ticks, at, json.dumps(_tick_message(log, row, names)).encode(), at)
-        for line in (directory / "steps.jsonl").read_text("utf-8").splitlines():
-            at = round(json.loads(line)["tick"] * DT * 1e9)
-            writer.add_message(steps, at, line.encode(), at)
+        for step in read_steps(directory):
+            at = round(step["tick"] * DT * 1e9)
+            writer.add_message(steps, at, json.dumps(step).encode(), at)
         writer.add_metadata("run", {key: str(summary[key]) for key in ("version", "result", "reason", "state_hash")})
         writer.finish()  # type: ignore[no-untyped-call]
 
@@ -147,7 +139,7 @@ def _channel(writer: Any, topic: str) -> int:
 
 
 def _tick_message(log: Columns, row: int, names: dict[int, str]) -> dict[str, Any]:
-    return {**{name: log[name][row].tolist() for name in PLAIN}, "mode": names[int(log["mode"][row])]}
+    return {**{name: log[name][row].tolist() for name in PLAIN}, "mode": names.get(int(log["mode"][row]), "?")}
 
 
 FORMS: dict[str, Callable[[Path, dict[str, Any], Path], None]] = {"csv": _to_csv, "npz": _to_npz, "html": _to_html, "mcap": _to_mcap}

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Iterator
+import zipfile
+from collections.abc import Callable, Iterator, Mapping
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from planner.machine import as_data, machine_from
+from planner.machine import as_data, machine_from, shown
 from planner.trace.plan import ARRIVED
 from planner.vocabulary import Command
 from planner.walk import DT
@@ -23,6 +24,14 @@ from .recording import MODES, SCHEMA, Recorder, input_from
 
 BLOCKED_LIMIT = 10.0  # s
 PROGRESS_TICKS = 250
+ARRAYS_BYTES_MAX = 1_000_000_000  # of one .npz of a run: an hour of eight legs over the largest map is half of it
+LOG_DIMENSIONS = {
+    "t": 1, "body": 2, "feet": 3, "contact": 2, "support": 2, "command": 2,
+    "margin": 1, "polygon_margin": 1, "step": 1, "mode": 1, "hash": 1,
+}  # fmt: skip
+SUMMARY_KINDS: dict[str, type] = {
+    "version": str, "scenario": dict, "robot": dict, "result": str, "reason": str, "ticks": int, "modes": dict, "state_hash": str,
+}  # fmt: skip
 
 Progress = Callable[[Console, float], None]  # console, share done 0..1
 
@@ -149,20 +158,86 @@ def read_run(directory: Path) -> dict[str, Any]:
         summary = json.loads((directory / "run.json").read_text("utf-8"))
     except FileNotFoundError:
         raise RunError(f"{directory} is not a run directory: it has no run.json") from None
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise RunError(f"cannot read {directory / 'run.json'}: {error}") from None
     if not isinstance(summary, dict) or summary.get("schema") != SCHEMA:
         got = summary.get("schema") if isinstance(summary, dict) else type(summary).__name__
-        raise RunError(f"{directory / 'run.json'} must have schema {SCHEMA}, got {got!r}")
+        raise RunError(f"{directory / 'run.json'} must have schema {SCHEMA}, got {shown(got)}")
+    for key, kind in SUMMARY_KINDS.items():
+        if not isinstance(summary.get(key), kind):
+            raise RunError(f"{directory / 'run.json'}: {key} is missing or is no {kind.__name__}, got {shown(summary.get(key))}")
     return summary
+
+
+def recorded_world(directory: Path, summary: dict[str, Any]) -> World:
+    """The world a run was walked in; raises ``RunError`` when its files no longer say."""
+    try:
+        return prepare(scenario_from(summary["scenario"], directory), machine_from(summary["robot"]))
+    except ValueError as error:
+        raise RunError(f"{directory / 'run.json'}: {error}") from None
+
+
+def read_arrays(path: Path, wanted: Mapping[str, int]) -> dict[str, np.ndarray[Any, Any]]:
+    """The arrays of an .npz of a run, each of the wanted number of dimensions; raises ``RunError``."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            size = sum(info.file_size for info in archive.infolist())
+        if size > ARRAYS_BYTES_MAX:
+            raise RunError(f"{path} unpacks to {size} bytes; at most {ARRAYS_BYTES_MAX}")
+        with np.load(path, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+    except RunError:
+        raise
+    except Exception as error:  # broken files raise whatever the decoders underneath happen to: struct, zlib, tokenize ...
+        raise RunError(f"cannot read {path}: {error or type(error).__name__}") from None
+    for name, dimensions in wanted.items():
+        array = arrays.get(name)
+        if array is None:
+            raise RunError(f"cannot read {path}: there is no {name!r} in it")
+        if array.ndim != dimensions or array.dtype.kind not in "fiub":
+            raise RunError(f"cannot read {path}: {name!r} must be numbers of {dimensions} dimensions, got {array.dtype} {array.shape}")
+    return arrays
+
+
+def read_log(directory: Path) -> dict[str, np.ndarray[Any, Any]]:
+    """``ticks.npz`` as named arrays of one length; raises ``RunError``."""
+    path = directory / "ticks.npz"
+    log = read_arrays(path, LOG_DIMENSIONS)
+    ticks, legs = log["feet"].shape[:2]
+    widths = {"body": (6,), "feet": (legs, 3), "contact": (legs,), "support": (legs,), "command": (3,)}
+    for name in LOG_DIMENSIONS:
+        if log[name].shape != (ticks, *widths.get(name, ())) or not ticks:
+            raise RunError(f"cannot read {path}: {name!r} has shape {log[name].shape} where there are {ticks} ticks of {legs} legs")
+    if log["hash"].dtype != np.uint64:
+        raise RunError(f"cannot read {path}: 'hash' must be uint64, got {log['hash'].dtype}")
+    for name in ("contact", "support", "step", "mode"):
+        if log[name].dtype.kind == "f":
+            raise RunError(f"cannot read {path}: {name!r} must be whole numbers, got {log[name].dtype}")
+    for name in ("t", "body", "feet", "command"):
+        if not np.isfinite(log[name]).all():
+            raise RunError(f"cannot read {path}: {name!r} has values that are no numbers")
+    return log
+
+
+def read_steps(directory: Path) -> list[dict[str, Any]]:
+    """``steps.jsonl``; raises ``RunError``."""
+    path = directory / "steps.jsonl"
+    try:
+        steps = [json.loads(line) for line in path.read_text("utf-8").splitlines()]
+    except (OSError, ValueError, RecursionError) as error:
+        raise RunError(f"cannot read {path}: {error}") from None
+    for number, step in enumerate(steps, 1):
+        if not isinstance(step, dict) or type(step.get("tick")) is not int or not isinstance(step.get("swing"), list):
+            raise RunError(f"{path} line {number} is not a step: it needs a tick and the legs that swing")
+    return steps
 
 
 def rerun(directory: Path) -> Iterator[tuple[Console, bool]]:
     """Run a recorded run again from its inputs: after every tick the console, and whether its hash is the recorded one."""
     summary = read_run(directory)
-    recorded = _recorded_hashes(directory)
+    recorded = read_log(directory)["hash"]
     inputs = list(_recorded_inputs(directory))
-    console = Console(prepare(scenario_from(summary["scenario"], directory), machine_from(summary["robot"])))
+    console = Console(recorded_world(directory, summary))
     recorder = Recorder(console)
     next_input = 0
     for index in range(len(recorded)):
@@ -188,24 +263,16 @@ def replay(directory: Path) -> dict[str, Any]:
     return {"equal": True, "ticks": ticks, "state_hash": read_run(directory)["state_hash"]}
 
 
-def _recorded_hashes(directory: Path) -> np.ndarray[Any, Any]:
-    try:
-        with np.load(directory / "ticks.npz", allow_pickle=False) as log:
-            return np.asarray(log["hash"])
-    except (OSError, KeyError, ValueError) as error:
-        raise RunError(f"cannot read {directory / 'ticks.npz'}: {error}") from None
-
-
 def _recorded_inputs(directory: Path) -> Iterator[tuple[int, Any]]:
     path = directory / "inputs.jsonl"
     try:
         lines = path.read_text("utf-8").splitlines()
-    except OSError as error:
+    except (OSError, ValueError) as error:
         raise RunError(f"cannot read {path}: {error}") from None
     for number, line in enumerate(lines, 1):
         try:
             record = json.loads(line)
             yield int(record["tick"]), input_from(record)
-        except (ValueError, KeyError, TypeError) as error:
-            raise RunError(f"{path} line {number} is not an input: {error}") from None
+        except (ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError) as error:
+            raise RunError(f"{path} line {number} is not an input: {type(error).__name__} {error}") from None
 

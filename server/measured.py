@@ -47,7 +47,7 @@ def settled(step: dict[str, Any]) -> bool:
 def courses(recorder: Recorder) -> list[tuple[int, int, dict[str, Any]]]:
     """First tick, last tick and command of every stretch walked under one command."""
     commands = [entry for entry in recorder.inputs if entry["input"] == "command"]
-    ends = [entry["tick"] for entry in commands[1:]] + [recorder.ticks]
+    ends = [*(entry["tick"] for entry in commands), recorder.ticks][1:]
     return [(entry["tick"], end, entry) for entry, end in zip(commands, ends, strict=True) if entry["speed"] > 0.0]
 
 

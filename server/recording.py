@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import struct
 from array import array
 from dataclasses import asdict
@@ -185,11 +186,23 @@ def input_from(record: dict[str, Any]) -> Command | Edit | Push | Reset:
     """The inverse of ``input_record``; raises ``ValueError`` for what a replay cannot feed."""
     kind = record.get("input")
     if kind == "command":
-        return Command(record["crab_angle"], record["speed"], record["turn_rate"])
+        return Command(*(_finite(record[key]) for key in ("crab_angle", "speed", "turn_rate")))
     if kind == "edit":
-        return Edit(record["action"], tuple((int(row), int(column)) for row, column in record["cells"]), record["amount"])
+        return Edit(record["action"], tuple((_index(row), _index(column)) for row, column in record["cells"]), _finite(record["amount"]))
     if kind == "push":
-        return Push(record["fx"], record["fy"], record["ticks"])
+        return Push(_finite(record["fx"]), _finite(record["fy"]), int(record["ticks"]))
     if kind == "reset":
         return Reset()
     raise ValueError(f"unknown input {kind!r}; there are: command, edit, push, reset")
+
+
+def _finite(value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise ValueError(f"a finite number is wanted, got {value!r:.80}")
+    return value
+
+
+def _index(value: Any) -> int:
+    if type(value) is not int or not 0 <= value < 2**31:
+        raise ValueError(f"a row or column is wanted, got {value!r:.80}")
+    return value

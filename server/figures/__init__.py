@@ -88,8 +88,14 @@ def draw_figure(name: str, out: Path, run: Path | None = None) -> list[str]:
             walks[key] = read_walk(directory)
             if number == 0:
                 _check(name, recipe, walks[key])
-        save(getattr(pages, figure.page)(figure.title, walks), out)
-        return [f"{figure.title}: {out}", *said(next(iter(walks.values())).summary)]
+        try:
+            page, lines = getattr(pages, figure.page)(figure.title, walks), said(next(iter(walks.values())).summary)
+        except (ArithmeticError, LookupError, TypeError, ValueError) as error:
+            if run is None:
+                raise
+            raise FigureError(f"the run in {run} cannot be drawn: {type(error).__name__} {error}") from None  # its files were changed
+        save(page, out)
+        return [f"{figure.title}: {out}", *lines]
 
 
 def _check(name: str, recipe: Recipe, walk: Walk) -> None:

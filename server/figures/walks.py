@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,7 +16,7 @@ from planner.vocabulary import Gait, Stance
 from sim.scenarios import load_scenario, scenario_from
 
 from ..console import prepare
-from ..headless import RunError, read_run, run
+from ..headless import RunError, read_arrays, read_log, read_run, read_steps, run
 
 Array = NDArray[Any]
 
@@ -120,16 +119,18 @@ def walk_recipe(recipe: Recipe, directory: Path) -> Path:
 def read_walk(directory: Path) -> Walk:
     """A run directory; raises ``RunError``."""
     summary = read_run(directory)
-    try:
-        with np.load(directory / "ticks.npz", allow_pickle=False) as log, np.load(directory / "terrain.npz", allow_pickle=False) as ground:
-            rows, layers = dict(log), dict(ground)
-        steps = [json.loads(line) for line in (directory / "steps.jsonl").read_text("utf-8").splitlines()]
-    except (OSError, ValueError) as error:
-        raise RunError(f"cannot read the run in {directory}: {error}") from None
+    rows = read_log(directory)
+    layers = read_arrays(directory / "terrain.npz", {"heights": 2, "cell": 0, "origin": 1, "forbidden": 2})
+    steps = read_steps(directory)
     if not steps or "off_standard" not in steps[0]:
         raise RunError(f"the run in {directory} has no steps to draw, or is of an older version")
-    machine = machine_from(summary["robot"])
-    gait = scenario_from(summary["scenario"], directory).gait_for(machine)
+    if not all(0 < step["tick"] <= len(rows["t"]) for step in steps):
+        raise RunError(f"the run in {directory} has steps at ticks it has not")
+    try:
+        machine = machine_from(summary["robot"])
+        gait = scenario_from(summary["scenario"], directory).gait_for(machine)
+    except ValueError as error:
+        raise RunError(f"{directory / 'run.json'}: {error}") from None
     return Walk(summary, rows, steps, layers, machine, gait)
 
 
