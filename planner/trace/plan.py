@@ -84,6 +84,7 @@ class TraceWalk:
         if known is None or not serves(known, stance, command, terrain, self.machine, self.trace):
             known = yield from self._renewed(stance, command, terrain)
             self.prediction = known
+            yield
         return next_step(known, stance, command, terrain, self.machine, self.gait, explain=self.explain)
 
 
@@ -247,7 +248,7 @@ def predicting(
         looked += found.looked
         if found.farthest > path.farthest or not moves:
             path = found if found.complete else found.to_standing()
-            moves = moves_along(field, path, offset, step, *(() if rigid is None else (1,)))
+            moves = yield from moves_along(field, path, offset, step, *(() if rigid is None else (1,)))
         if found.complete:
             break
         yield

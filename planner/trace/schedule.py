@@ -8,7 +8,7 @@ commanded pace where the legs can follow, and is slower where footholds are far 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -25,6 +25,7 @@ from .transfer import Pose, aim_of, carry_height, placed_by, seen_from, waiting_
 TOGETHER = 3  # legs at most in the air at once by choice, K: k = 1, 2, 3
 KNOT = 1 / 16  # body lengths of s between knots at most; wider shows as corners on a curve
 KNOT_TURN = 0.05  # rad of yaw between knots; wider lets feet leave their rectangles by over 0.3 mm
+MOVES_PAUSE = 4  # moves between two yields
 PAUSE_SPEED = 1e-6  # m; a shorter way is no way
 
 
@@ -52,25 +53,40 @@ class _Node:
         self.feet, self.place = feet, place
 
 
-def moves_along(field: Field, path: Path, offset: float, step: float, together: int = 2 * TOGETHER) -> tuple[Move, ...]:
-    """The path of states as moves; ``offset`` is s at the field's first sample, ``together`` how many states one move may span."""
+def moves_along(
+    field: Field, path: Path, offset: float, step: float, together: int = 2 * TOGETHER
+) -> Generator[None, None, tuple[Move, ...]]:
+    """The path of states as moves; ``offset`` is s at the field's first sample, ``together`` how many states one move may span.
+
+    Yields move by move, so that a caller may spread it over ticks.
+    """
     if not path.states:
         return ()
     nodes = [_Node(state.feet, field.place(field.valid(state.feet), state.at)) for state in path.states]
-    chosen = _samples(field, _merge(field, nodes, together), path)
+    yield
+    merged = yield from _merge(field, nodes, together)
+    chosen = _samples(field, merged, path)
+    yield
     at = chosen[-1][4] if chosen else path.states[0].at
     end = _pick(field, nodes[-1].place, at % field.width, path.farthest)
-    moves = [move for found in chosen for move in _in_space(field, found, offset, step)]
+    moves: list[Move] = []
+    for found in chosen:
+        moves += _in_space(field, found, offset, step)
+        if len(moves) % MOVES_PAUSE == 0:
+            yield
     if end % field.width > at % field.width:
         moves.append(_shift(field, nodes[-1], at, end, offset, step))
     return tuple(moves)
 
 
-def _merge(field: Field, nodes: list[_Node], together: int) -> list[tuple[_Node, int, int, _Node]]:
+def _merge(field: Field, nodes: list[_Node], together: int) -> Generator[None, None, list[tuple[_Node, int, int, _Node]]]:
     """Skip states that can be passed over: from each on to the farthest of the next few reachable in one move."""
-    moves, k = [], 0
+    moves: list[tuple[_Node, int, int, _Node]] = []
+    k = 0
     while k < len(nodes) - 1:
         best = None
+        if len(moves) % MOVES_PAUSE == MOVES_PAUSE - 1:
+            yield
         for j in range(k + 1, min(k + together + 1, len(nodes))):
             windows = _windows(field, nodes[k], nodes[j])
             if windows is not None:

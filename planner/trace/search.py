@@ -18,8 +18,7 @@ from typing import TypeVar
 from .footholds import AIR, Feet, Field, first_bit, legs_clear
 from .states import State, k_step
 
-PAUSE = 60  # changes tried between two yields: some two milliseconds
-ORDER_PAUSE = 4  # steps of K's order between two yields: the same
+PAUSE = 16  # footholds and changes looked at between two yields, some half a millisecond: sixteen such pieces stay well inside a tick
 AHEAD_WEIGHT = 0.35  # how much the mean remaining life of the feet counts beside the sample reached
 
 
@@ -58,14 +57,11 @@ def search(field: Field, start: State, goal: int, limit: int, in_order: bool = T
     """
     met = _Met(field)
     met.enter(start, None)
-    paused = 0
     if in_order:
         state: State | None = start
         while state is not None and met.farthest < goal and met.count < limit:
             state = _follow_order(field, met, state)
-            paused += 1
-            if paused % ORDER_PAUSE == 0:
-                yield
+            yield
     heap = met.heap
     paused = 0
     while heap and met.farthest < goal and met.count < limit:
@@ -77,10 +73,10 @@ def search(field: Field, start: State, goal: int, limit: int, in_order: bool = T
             for nxt in found[:BATCH]:
                 met.enter(nxt, (state.feet, place))
             more = more or len(found) > BATCH
-            paused += 1 + min(len(found), BATCH)
-        if paused >= PAUSE:
-            paused = 0
-            yield
+            paused += 1 + len(field.by_leg[leg]) // 8 + min(len(found), BATCH)
+            if paused >= PAUSE:
+                paused = 0
+                yield
         if more:
             met.serial += 1
             heappush(heap, (worth + BATCH_COST, met.serial, state))
