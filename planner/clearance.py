@@ -31,16 +31,22 @@ def leg_in_the_way(
     """The first leg whose line meets ground, with the body at x, y, z, yaw; a leg whose foot is None is not looked at."""
     x, y, z, yaw = body
     c, s = math.cos(yaw), math.sin(yaw)
+    cell, columns, rows, heights = terrain.cell, terrain.columns, terrain.rows, terrain.height_view
     for leg, foot in enumerate(feet):
         if foot is None:
             continue
         hip_x, hip_y = machine.hips[leg]
         hx, hy = x + c * hip_x - s * hip_y, y + s * hip_x + c * hip_y
         length = math.hypot(foot[0] - hx, foot[1] - hy)
-        samples = max(1, math.ceil((length - NEAR_FOOT) / terrain.cell))
-        for k in range(samples + 1):
-            share = max(0.0, length - NEAR_FOOT) / length * k / samples if length > 0.0 else 0.0
-            ground = terrain.height_at(hx + share * (foot[0] - hx), hy + share * (foot[1] - hy))
-            if ground > z + share * (foot[2] - z):
+        if length <= NEAR_FOOT:
+            continue
+        samples = math.ceil((length - NEAR_FOOT) / cell)
+        share = (length - NEAR_FOOT) / length / samples
+        gx, gy, gz = (hx - terrain.origin[0]) / cell, (hy - terrain.origin[1]) / cell, z
+        dx, dy, dz = share * (foot[0] - hx) / cell, share * (foot[1] - hy) / cell, share * (foot[2] - z)
+        for _ in range(samples + 1):
+            column, row = int(gx), int(gy)
+            if 0 <= column < columns and 0 <= row < rows and heights[row * columns + column] > gz:
                 return leg
+            gx, gy, gz = gx + dx, gy + dy, gz + dz
     return None

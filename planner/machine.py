@@ -102,7 +102,7 @@ class Machine:
                 raise MachineError(f"the crab planner needs one reach box mirrored to four quadrants; leg {leg.name!r} differs")
         return reach
 
-    @property
+    @cached_property
     def z_range(self) -> tuple[float, float]:
         """Heights every leg can stand at: the intersection of the legs' z ranges."""
         return max(leg.z[0] for leg in self.legs), min(leg.z[1] for leg in self.legs)

@@ -70,6 +70,7 @@ class Ahead:
         self.terrain, self.machine, self.gait = terrain, machine, gait
         self.heights = [stance.feet[leg][2] for leg in standard.body_leg]  # canonical legs
         self.level = terrain.highest if terrain.is_level else math.nan
+        self._met: dict[tuple[int, float], bool] = {}
         self.is_level = (
             terrain.is_level
             and all(abs(z - self.level) <= LEVEL for z in self.heights)
@@ -125,16 +126,23 @@ class Ahead:
     def leg_in_the_way(self, shift: Shift, landing: Landing, height: float) -> bool:
         """True when on the way of the step some leg that stands, or at its end the new one, meets ground."""
         u = self.standard.body_leg[shift.leg]
-        z, yaw = self.stance.body[2], self.stance.body[3]
-        feet: list[Point | None] = list(self.stance.feet)
-        feet[u] = None
-        for share in LEG_CHECKS:
-            x, y = self.posture.absolute(share * shift.g * self.standard.ux, share * shift.g * self.standard.uy)
-            if share == 1.0:
-                feet[u] = landing.ax, landing.ay, self.ground_at(landing)
-            if leg_in_the_way(self.terrain, self.machine, (x, y, z + share * (height - z), yaw), feet) is not None:
-                return True
-        return False
+        if self._standing_legs_meet(u, shift.g):
+            return True
+        x, y = self.posture.absolute(shift.g * self.standard.ux, shift.g * self.standard.uy)
+        feet: list[Point | None] = [None] * len(self.stance.feet)
+        feet[u] = landing.ax, landing.ay, self.ground_at(landing)
+        return leg_in_the_way(self.terrain, self.machine, (x, y, height, self.stance.body[3]), feet) is not None
+
+    def _standing_legs_meet(self, u: int, g: float) -> bool:
+        """The same of the three legs that stay, whatever the foothold; asked for every cell, so remembered."""
+        key = u, g
+        if key not in self._met:
+            z, yaw = self.stance.body[2], self.stance.body[3]
+            feet: list[Point | None] = list(self.stance.feet)
+            feet[u] = None
+            places = (self.posture.absolute(share * g * self.standard.ux, share * g * self.standard.uy) for share in LEG_CHECKS)
+            self._met[key] = any(leg_in_the_way(self.terrain, self.machine, (x, y, z, yaw), feet) is not None for x, y in places)
+        return self._met[key]
 
     def crest(self, leg: int, landing: Landing) -> float:
         """Highest ground under the way of the swing foot, its own two footholds included, m."""
