@@ -22,6 +22,7 @@ from sim.scenarios import ScenarioError, list_scenarios, load_scenario
 from sim.terrains import list_terrains
 
 BAD_INPUT = 2
+LINE_MAX = 2000  # characters of one clear line
 
 app = typer.Typer(
     name="walking-console",
@@ -57,7 +58,7 @@ def one_clear_line() -> Iterator[None]:
 
 def refuse(message: str) -> None:
     """Say what was wrong and leave with exit status 2."""
-    print(f"walking-console: {' '.join(message.split())}", file=sys.stderr)
+    print(f"walking-console: {' '.join(message.split())[:LINE_MAX]}", file=sys.stderr)
     raise typer.Exit(BAD_INPUT)
 
 

@@ -128,10 +128,11 @@ def read_walk(directory: Path) -> Walk:
         raise RunError(f"the run in {directory} has steps at ticks it has not")
     try:
         machine = machine_from(summary["robot"])
-        gait = scenario_from(summary["scenario"], directory).gait_for(machine)
+        scenario = scenario_from(summary["scenario"], directory)
+        gait = scenario.gait_for(machine)
     except ValueError as error:
         raise RunError(f"{directory / 'run.json'}: {error}") from None
-    return Walk(summary, rows, steps, layers, machine, gait)
+    return Walk({**summary, "scenario": scenario.as_data()}, rows, steps, layers, machine, gait)
 
 
 def degrees(angle: float) -> str:

@@ -58,6 +58,15 @@ def test_a_changed_summary_is_refused_by_replay(run, change):
     is_refused(called("replay", run))
 
 
+def test_a_run_whose_scenario_was_emptied_is_refused_by_figure(run, tmp_path):
+    pytest.importorskip("matplotlib")
+    summary = json.loads((run / "run.json").read_text())
+    (run / "run.json").write_text(json.dumps({**summary, "scenario": {"terrain": {"kind": "wave"}}}))
+    is_refused(called("figure", "fig12", "--run", run, "--out", tmp_path / "drawn.svg"))
+    (run / "run.json").write_text(json.dumps({**summary, "scenario": {}}))
+    is_refused(called("figure", "fig12", "--run", run, "--out", tmp_path / "drawn.svg"))
+
+
 @pytest.mark.parametrize(("name", "array"), [("feet", None), ("t", [0.0]), ("body", "text"), ("mode", "nan"), ("t", "nan")])
 @pytest.mark.parametrize("form", ["csv", "mcap"])
 def test_a_changed_log_is_refused_by_export(run, name, array, form):
