@@ -71,13 +71,12 @@ class _Stretch(NamedTuple):
 class Playback:
     """A ``StepPlan`` made ready to be evaluated tick by tick."""
 
-    __slots__ = ("plan", "duration", "steady", "_times", "_stretches", "_last", "_paces")
+    __slots__ = ("plan", "duration", "_times", "_stretches", "_last", "_paces")
 
     def __init__(self, plan: StepPlan) -> None:
         times, body, feet = plan.times.tolist(), plan.body.tolist(), plan.feet.tolist()
         self.plan = plan
         self.duration: float = times[-1]
-        self.steady = all(row[3] == body[0][3] for row in body)  # the yaw does not change
         self._times: list[float] = times
         self._stretches = [_stretch(plan, k, times, body, feet) for k in range(len(times) - 1)]
         self._last = 0

@@ -225,36 +225,6 @@ def _slope(heights: NDArray[np.float64], solid: NDArray[np.bool_], cell: float) 
     return steepness
 
 
-def edge_distance(forbidden: NDArray[np.bool_], cell: float, limit: float) -> NDArray[np.float64]:
-    """How far the centre of each cell is from the nearest forbidden one's, m, up to ``limit``; 0 on forbidden ground."""
-    reach = max(1, math.floor(limit / cell))
-    along = np.where(forbidden, 0.0, math.inf)  # cells to the nearest in the same row
-    for shift in range(1, reach + 1):
-        along[:, shift:] = np.minimum(along[:, shift:], np.where(forbidden[:, :-shift], shift, math.inf))
-        along[:, :-shift] = np.minimum(along[:, :-shift], np.where(forbidden[:, shift:], shift, math.inf))
-    square = along * along
-    nearest = square.copy()
-    for shift in range(1, reach + 1):
-        nearest[shift:] = np.minimum(nearest[shift:], square[:-shift] + shift * shift)
-        nearest[:-shift] = np.minimum(nearest[:-shift], square[shift:] + shift * shift)
-    return np.asarray(np.minimum(np.sqrt(nearest) * cell, limit))
-
-
-def clearance(terrain: TerrainMap, body: tuple[float, float, float, float], torso: tuple[float, float, float]) -> float:
-    """Free height under the torso at x, y, z, yaw, m: negative where its box would be in the ground; inf over holes."""
-    x, y, z, yaw = body
-    length, width, height = torso
-    c, s = math.cos(yaw), math.sin(yaw)
-    along, across = (np.arange(-side / 2, side / 2 + terrain.cell, terrain.cell).clip(max=side / 2) for side in (length, width))
-    px = x + c * along[:, None] - s * across
-    py = y + s * along[:, None] + c * across
-    columns = np.floor((px - terrain.origin[0]) / terrain.cell).astype(np.intp)
-    rows = np.floor((py - terrain.origin[1]) / terrain.cell).astype(np.intp)
-    inside = (columns >= 0) & (columns < terrain.columns) & (rows >= 0) & (rows < terrain.rows)
-    top = _solid(terrain.heights[rows[inside], columns[inside]])
-    return z - height / 2 - float(top.max()) if top.size else math.inf
-
-
 def classify(heights: NDArray[np.float64], cell: float, machine: Machine) -> NDArray[np.bool_]:
     """Where ``machine`` must not land, from heights alone: the step from G-type to HP-type terrain (H §2.3).
 

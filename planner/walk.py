@@ -29,12 +29,12 @@ from .emergent import (
     motion,
 )
 from .machine import Machine
-from .reflex import Gains, Playback, ReflexState, holding_plan, reflex
+from .reflex import TICK, Gains, Playback, ReflexState, holding_plan, reflex
 from .settle import settle_together
 from .terrain import TerrainMap
 from .vocabulary import Blocked, Command, Gait, Mode, Phase, Point, Sensing, Stance, StepPlan
 
-DT = 0.02  # s, the tick of Level C (H §10.2)
+DT = TICK  # s, the tick of Level C (H §10.2)
 SAME_PLACE = 1e-6  # m; a stance this close to the plan's end is taken to be it
 HELD_BACK = 0.01  # m the body may be from where the plan has it; smaller and servo noise stops the walk
 HELD_MAX = 3  # steps cut short for it, one after the other, before it says so and waits for another command

@@ -7,7 +7,7 @@ import pytest
 
 from planner.belief import Belief
 from planner.machine import load_machine
-from planner.terrain import Kind, TerrainMap, classify, clearance, edge_distance, kinds
+from planner.terrain import Kind, TerrainMap, classify, kinds
 
 MACHINE = load_machine("titan3")
 CELL = 0.025
@@ -63,26 +63,6 @@ def test_what_is_not_known_hides_nothing_and_refuses_nothing():
     known = np.zeros(heights.shape, dtype=bool)
     known[:, :20], heights[:, :20] = True, 0.0
     assert not kinds(heights, known, CELL, MACHINE).any()
-
-
-def test_the_distance_to_an_edge_is_straight_and_bounded():
-    forbidden = np.zeros((30, 30), dtype=bool)
-    forbidden[10, 10] = True
-    distance = edge_distance(forbidden, 0.05, 0.4)
-    assert distance[10, 10] == 0.0
-    assert distance[13, 14] == pytest.approx(0.25)
-    assert distance[29, 29] == pytest.approx(0.4)
-
-
-def test_the_torso_clears_what_is_lower_than_its_belly():
-    heights = np.zeros((200, 200))
-    heights[100:104, 100:104] = 0.5
-    ground = TerrainMap(heights, heights > 9.0, CELL, (-2.5, -2.5))
-    assert clearance(ground, (0.0, 0.0, 0.85, 0.3), MACHINE.torso) == pytest.approx(0.85 - 0.125 - 0.5)
-    assert clearance(ground, (1.5, 0.0, 0.85, 0.3), MACHINE.torso) == pytest.approx(0.85 - 0.125)
-
-
-# what is seen
 
 
 def test_unknown_ground_is_flat_or_forbidden_as_told():
