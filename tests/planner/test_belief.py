@@ -65,6 +65,9 @@ def test_what_is_not_known_hides_nothing_and_refuses_nothing():
     assert not kinds(heights, known, CELL, MACHINE).any()
 
 
+# what is seen
+
+
 def test_unknown_ground_is_flat_or_forbidden_as_told():
     assert not blank("flat").map.forbidden.any()
     assert blank("forbidden").map.forbidden.all()
