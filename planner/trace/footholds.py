@@ -20,10 +20,12 @@ from ..machine import Machine
 from ..support import MARGIN_SLACK
 from ..terrain import TerrainMap
 from ..vocabulary import Array, Point
+from .transfer import CLEARANCE
 
 MARGIN = 0.01  # m, least stability margin planned for
 CHUNK = 64  # samples looked at together: wider wastes work on footholds far away
 DENSE = 16  # footholds a leg's rectangle may hold before the ground is thinned out
+STRIDE = 4  # samples whose room over the ground is looked at together; more refuses ground beside tall things
 AIR = -1  # in a tuple of feet: this leg is in the air
 
 Feet = tuple[int, ...]  # a foothold's number for every leg, AIR where there is none
@@ -71,6 +73,12 @@ class Field:
         self._stable: dict[Feet, int] = {}
         self._valid: dict[Feet, int] = {}
         self._cells = allowed_cells(lane, terrain, machine, thin)
+        self._crossed: dict[tuple[int, int], bool] = {}
+        self._free: dict[int, int] = {}
+        self._over_air: dict[Feet, int] = {}
+        self.tall, self.grazed = False, False  # something here is too tall for a foot to be lifted over; the torso would meet it
+        if not terrain.is_level:
+            self._look_for_tall_things()
 
     # finding footholds
 
@@ -171,7 +179,67 @@ class Field:
                 return False
             if inside < self.margin:
                 self._least[a, b] = inside
+        self.everywhere |= 1 << sample
+        if self.tall:
+            for leg, f in enumerate(feet):
+                if f < 0:
+                    self._free[leg] = self.free(leg) | 1 << sample
         return bool(self.valid(feet) >> sample & 1)
+
+    # what stands too tall (K's third truncation, "non-touching the surface"); on most ground nothing does, and this costs nothing
+
+    def _look_for_tall_things(self) -> None:
+        machine, low = self.machine, float(self.lane.z.min())
+        room = min(self._ceiling(leg) for leg in range(len(machine.legs)))
+        under = -machine.torso[2] / 2
+        if self.terrain.highest <= low + min(room, under):
+            return
+        r0, r1, c0, c1 = _patch(self.lane, self.terrain, machine)
+        heights = self.terrain.heights[r0:r1, c0:c1]
+        highest = float(np.where(np.isnan(heights), -np.inf, heights).max(initial=-np.inf))
+        self.tall = highest > low + room
+        if highest > low + under:
+            clear = _bits(np.pad(_torso_clear(self.lane, self.terrain, machine), ((0, 0), (0, 1))).ravel())
+            self.grazed = clear != self.everywhere
+            self.everywhere = clear
+
+    def _ceiling(self, leg: int) -> float:
+        """Height over the centre of gravity of the tallest ground a leg can carry its foot over."""
+        return self.machine.legs[leg].z[1] + self.machine.overreach[2] - CLEARANCE
+
+    def crosses(self, f: int, g: int) -> bool:
+        """True when a foot can be carried over the ground between two footholds, as low as the body may be on the way."""
+        able = self._crossed.get((f, g))
+        if able is None:
+            a, b = self.holds[f], self.holds[g]
+            both = (self.reach[f] | self.reach[g]) & self._row
+            z = self.lane.z[first_bit(both) : both.bit_length()] if both else self.lane.z
+            able = self.terrain.crest_between(a.x, a.y, b.x, b.y) <= float(z.min()) + self._ceiling(a.leg)
+            self._crossed[f, g] = self._crossed[g, f] = able
+        return able
+
+    def free(self, leg: int) -> int:
+        """Samples at which a foot in the air may be anywhere over its leg's rectangle: nothing there is too tall for it."""
+        mask = self._free.get(leg)
+        if mask is None:
+            mask = self._free[leg] = self._freedom(leg)
+        return mask
+
+    def _freedom(self, leg: int) -> int:
+        lane, description = self.lane, self.machine.legs[leg]
+        aside = float(np.hypot(lane.x - lane.x[0], lane.y - lane.y[0]).max()) + self.machine.foot_radius
+        flags = np.zeros(self.count, dtype=bool)
+        for begin in range(0, self.count, STRIDE):
+            part = slice(begin, begin + STRIDE)
+            x, y, c, d = lane.x[0, part], lane.y[0, part], np.cos(lane.yaw[part]), np.sin(lane.yaw[part])
+            px = [x + c * bx - d * by for bx in description.x for by in description.y]
+            py = [y + d * bx + c * by for bx in description.x for by in description.y]
+            top = self.terrain.crest_in(
+                float(np.min(px)) - aside, float(np.max(px)) + aside, float(np.min(py)) - aside, float(np.max(py)) + aside
+            )
+            flags[part] = top <= float(lane.z[part].min()) + self._ceiling(leg)
+        row = _bits(flags)
+        return sum(row << (r * self.width) for r in range(self.rows))
 
     # which sets of feet carry where
 
@@ -233,7 +301,20 @@ class Field:
         return _bits(distance >= least - EDGE + (ex * p.y - ey * p.x) / length)
 
     def valid(self, feet: Feet) -> int:
-        """Existence segments of a state: samples at which every standing foot is in reach and the machine is stable."""
+        """Existence segments of a state: where its feet carry, and its legs in the air have room to wait."""
+        if not self.tall or AIR not in feet:
+            return self.carries(feet)
+        mask = self._over_air.get(feet)
+        if mask is None:
+            mask = self.carries(feet)
+            for leg, f in enumerate(feet):
+                if f < 0:
+                    mask &= self.free(leg)
+            self._over_air[feet] = mask
+        return mask
+
+    def carries(self, feet: Feet) -> int:
+        """Samples at which every standing foot is in reach and the machine is stable."""
         mask = self._valid.get(feet)
         if mask is None:
             mask = self.stable(feet)
@@ -243,6 +324,18 @@ class Field:
                     if f >= 0:
                         mask &= reach[f]
             self._valid[feet] = mask
+        return mask
+
+    def between(self, feet: Feet, after: Feet) -> int:
+        """Samples the body may pass while the feet that differ are in the air; none when one cannot be carried across."""
+        rest = tuple(f if f == g else AIR for f, g in zip(feet, after, strict=True))
+        mask = self.carries(rest)
+        if self.tall:
+            for leg, (f, g) in enumerate(zip(feet, after, strict=True)):
+                if f < 0 or g < 0:
+                    mask &= self.free(leg)
+                elif f != g and not self.crosses(f, g):
+                    return 0
         return mask
 
     # places: unbroken parts of a mask
@@ -330,6 +423,23 @@ def _patch(lane: Lane, terrain: TerrainMap, machine: Machine) -> tuple[int, int,
     c0, c1 = _cells(float(lane.x.min()) - radius, float(lane.x.max()) + radius, terrain.origin[0], terrain.cell, terrain.columns)
     r0, r1 = _cells(float(lane.y.min()) - radius, float(lane.y.max()) + radius, terrain.origin[1], terrain.cell, terrain.rows)
     return r0, r1, c0, c1
+
+
+def _torso_clear(lane: Lane, terrain: TerrainMap, machine: Machine) -> NDArray[np.bool_]:
+    """(rows, samples): where the torso's box touches no ground."""
+    length, width, height = machine.torso
+    apart = (2 * math.ceil(terrain.foot_radius / terrain.cell) + 1) * terrain.cell  # a crest tells of all the cells this near
+    crests = np.asarray(terrain.crest_view).reshape(terrain.rows, terrain.columns)
+    c, d, low = np.cos(lane.yaw), np.sin(lane.yaw), lane.z - height / 2
+    clear = np.ones(lane.x.shape, dtype=bool)
+    for bx in np.linspace(-length / 2, length / 2, math.ceil(length / apart) + 1):
+        for by in np.linspace(-width / 2, width / 2, math.ceil(width / apart) + 1):
+            columns = np.floor((lane.x + c * bx - d * by - terrain.origin[0]) / terrain.cell).astype(np.intp)
+            rows = np.floor((lane.y + d * bx + c * by - terrain.origin[1]) / terrain.cell).astype(np.intp)
+            inside = (rows >= 0) & (rows < terrain.rows) & (columns >= 0) & (columns < terrain.columns)
+            top = crests[rows.clip(0, terrain.rows - 1), columns.clip(0, terrain.columns - 1)]
+            clear &= ~inside | (top <= low)
+    return clear
 
 
 def _cells(low: float, high: float, origin: float, cell: float, count: int) -> tuple[int, int]:

@@ -226,6 +226,7 @@ def predicting(
     goal = last - first
     path, looked = Path((), False, now - first, 0, False), 0
     moves: tuple[Move, ...] = ()
+    grazed = False
     for sway, count in ((0.0, limit), (SWAY * machine.torso[0], limit_wide)):
         if rigid is not None and sway:
             break
@@ -248,13 +249,14 @@ def predicting(
         looked += found.looked
         if found.farthest > path.farthest or not moves:
             path = found if found.complete else found.to_standing()
+            grazed = field.grazed and not _any_row(field, min(found.farthest + 1, field.count - 1))
             moves = yield from moves_along(field, path, offset, step, *(() if rigid is None else (1,)))
         if found.complete:
             break
         yield
     reached = offset + path.farthest * step
     sure = reached if path.complete else moves[-1].course if moves else stance.course
-    reason = "" if path.complete else _why(path, reached, looked)
+    reason = "" if path.complete else _why(path, reached, looked, grazed)
     return Prediction(
         drawn, command, terrain, stance, moves, sure, offset + goal * step, path.complete, reason, looked, given,
         last=given and last == drawn.last,
@@ -268,9 +270,16 @@ def _from_next(rigid: RigidGait, last_swing: int) -> tuple[tuple[int, ...], ...]
     return groups[k:] + groups[:k]
 
 
-def _why(path: Path, reached: float, looked: int) -> str:
+def _any_row(field: Field, k: int) -> bool:
+    """True when the torso meets nothing at sample ``k`` of the trace, or beside it."""
+    return any(field.everywhere >> (r * field.width + k) & 1 for r in range(field.rows))
+
+
+def _why(path: Path, reached: float, looked: int, grazed: bool) -> str:
     if not path.states:
         return "the machine does not stand within reach and stable here"
+    if grazed:
+        return f"there is no way beyond s = {reached:.2f} m: the torso would touch the ground"
     known = "there is no way" if path.exhausted else f"no way was found among {looked} states"
     return f"{known} beyond s = {reached:.2f} m: no foothold lets the next leg leave its own"
 

@@ -104,8 +104,7 @@ def _windows(field: Field, a: _Node, b: _Node) -> tuple[int, int] | None:
     changed = [leg for leg, (f, g) in enumerate(zip(a.feet, b.feet, strict=True)) if f != g]
     if len(changed) > TOGETHER:
         return None
-    base = tuple(AIR if leg in changed else f for leg, f in enumerate(a.feet))
-    carried = field.valid(base)
+    carried = field.between(a.feet, b.feet)
     lifting, placing = a.place & carried, b.place & carried
     while lifting and placing:
         whole = field.place(carried, first_bit(lifting))
@@ -180,8 +179,7 @@ def _in_space(field: Field, move: tuple[_Node, _Node, int, int, int], offset: fl
         yield _shift(field, a, start, lift, offset, step)
         shift = shift[-1:]
     legs = tuple(leg for leg, (f, g) in enumerate(zip(a.feet, b.feet, strict=True)) if f != g)
-    base = tuple(AIR if leg in legs else f for leg, f in enumerate(a.feet))
-    way = _way(field, field.valid(base), lift, land)
+    way = _way(field, field.between(a.feet, b.feet), lift, land)
     rising = lowering = field.everywhere
     for leg in legs:
         if a.feet[leg] >= 0:
@@ -391,14 +389,17 @@ class _Swing:
     def _prepare(self, leg: int, terrain: TerrainMap, resting: dict[int, Point]) -> None:
         move, foot, landing = self.move, self.stance.feet[leg], self.move.after[leg]
         start, end = move.carry[0], move.carry[-1]
-        ceiling = min(start[2], end[2]) + self.machine.legs[leg].z[1] + self.machine.overreach[2]
+        ceiling = min(pose[2] for pose in move.carry) + self.machine.legs[leg].z[1] + self.machine.overreach[2]
         if move.before[leg] is None:
             self.from_air[leg] = resting.get(leg, seen_from(start, foot))
         if landing is None:
-            self.to_air[leg] = waiting_place(self.machine, leg, self.gait)
-            self.raised[leg] = (foot[0], foot[1], min(carry_height(foot, foot, terrain, self.gait), ceiling))
+            self.to_air[leg] = waiting_place(self.machine, leg, self.gait, terrain)
+            top = carry_height(foot, foot, terrain, self.gait) if terrain.is_level else ceiling
+            self.raised[leg] = (foot[0], foot[1], min(top, ceiling))
             return
-        top = min(carry_height(foot if move.before[leg] is not None else landing, landing, terrain, self.gait), ceiling)
+        top = ceiling
+        if terrain.is_level or move.before[leg] is not None:
+            top = min(carry_height(foot if move.before[leg] is not None else landing, landing, terrain, self.gait), ceiling)
         self.over[leg] = (landing[0], landing[1], top)
         self.aims[leg] = aim_of(landing, end[2], leg, self.machine, self.gait)
         if move.before[leg] is not None:

@@ -158,20 +158,20 @@ def successors(field: Field, state: State, place: int, leg: int, met: dict[Feet,
     ``met`` says in which samples a set of feet has been met before; only what is new is returned.
     """
     feet, at = state
-    holds, reach, radius = field.holds, field.reach, field.machine.foot_radius
+    holds, reach, radius, tall = field.holds, field.reach, field.machine.foot_radius, field.tall
     f = feet[leg]
     fore, aft = feet[:leg], feet[leg + 1 :]
     rest = (*fore, AIR, *aft)
     found: list[tuple[int, Feet, int]] = []
     window = place
     if f >= 0:
-        carried = field.valid(rest)
-        window &= carried
+        window &= field.carries(rest)
         if not window:
             return []
-        fresh = window & ~met.get(rest, 0)
+        waiting = field.valid(rest)
+        fresh = window & waiting & ~met.get(rest, 0)
         while fresh:
-            whole = field.place(carried, first_bit(fresh))
+            whole = field.place(waiting, first_bit(fresh))
             if whole & ~place:  # lifted, the body can go where it cannot go otherwise
                 found.append((field.count, rest, fresh & whole))
             fresh &= ~whole
@@ -180,7 +180,7 @@ def successors(field: Field, state: State, place: int, leg: int, met: dict[Feet,
         if both and g != f:
             new = (*fore, g, *aft)
             fresh = both & ~met.get(new, 0)
-            if fresh and legs_clear(holds, rest, holds[g], radius):
+            if fresh and legs_clear(holds, rest, holds[g], radius) and not (tall and f >= 0 and not field.crosses(f, g)):
                 found.append((holds[g].last, new, fresh))
     found.sort(key=_lasting, reverse=True)
     return [State(new, field.nearest(fresh, at)) for _, new, fresh in found]
@@ -211,13 +211,17 @@ def moved_together(field: Field, state: State, place: int, legs: tuple[int, ...]
     """States in which just ``legs`` have been lifted at one sample and put down at another, at most CHOICES footholds each."""
     feet, at = state
     rest = tuple(AIR if leg in legs else f for leg, f in enumerate(feet))
-    window = place & field.valid(rest)
+    window = place & field.carries(rest)
     if not window:
         return
-    lifted = field.place(field.valid(rest), field.nearest(window, at))
+    lifted = field.place(field.carries(rest), field.nearest(window, at))
     choices = []
     for leg in legs:
-        able = sorted((f for f in field.by_leg[leg] if lifted & field.reach[f]), key=lambda f: -field.holds[f].last)
+        stood = feet[leg]
+        able = [f for f in field.by_leg[leg] if lifted & field.reach[f]]
+        if field.tall and stood >= 0:
+            able = [f for f in able if field.crosses(stood, f)]
+        able.sort(key=lambda f: -field.holds[f].last)
         choices.append(able[:CHOICES])
     for chosen in product(*choices):
         both = lifted

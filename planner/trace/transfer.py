@@ -30,10 +30,11 @@ def placed_by(pose: Pose, point_b: Point) -> Point:
     return pose[0] + c * point_b[0] - d * point_b[1], pose[1] + d * point_b[0] + c * point_b[1], pose[2] + point_b[2]
 
 
-def waiting_place(machine: Machine, leg: int, gait: Gait) -> Point:
-    """Where a leg that stays lifted is carried, in body axes: over the middle of its rectangle."""
+def waiting_place(machine: Machine, leg: int, gait: Gait, terrain: TerrainMap) -> Point:
+    """Where a leg that stays lifted is carried, in body axes: over the middle of its rectangle; drawn right up where ground may rise."""
     x, y = machine.legs[leg].centre
-    return x, y, min(-gait.height + gait.lift_up, machine.legs[leg].z[1] + machine.overreach[2])
+    top = machine.legs[leg].z[1] + machine.overreach[2]
+    return x, y, min(-gait.height + gait.lift_up, top) if terrain.is_level else top
 
 
 def carry_height(start: Point, end: Point, terrain: TerrainMap, gait: Gait) -> float:
@@ -42,11 +43,6 @@ def carry_height(start: Point, end: Point, terrain: TerrainMap, gait: Gait) -> f
     if terrain.is_level:
         return top
     return max(top, terrain.crest_between(start[0], start[1], end[0], end[1]) + CLEARANCE)
-
-
-def can_be_carried(start: Point, end: Point, body_z: float, leg: int, terrain: TerrainMap, machine: Machine, gait: Gait) -> bool:
-    """K's third truncation: the foot can be lifted over the ground on its way, within the height its leg can draw it up to."""
-    return carry_height(start, end, terrain, gait) <= body_z + machine.legs[leg].z[1] + machine.overreach[2]
 
 
 def aim_of(landing: Point, body_z: float, leg: int, machine: Machine, gait: Gait) -> Point:

@@ -11,7 +11,7 @@ from planner.terrain import TerrainMap
 from planner.trace.curve import trace_for
 from planner.trace.gait import GAITS
 from planner.trace.plan import ARRIVED, TraceWalk, plan_step, standing_start
-from planner.vocabulary import Blocked, Command, Stance, StepPlan
+from planner.vocabulary import Blocked, Command, Phase, Stance, StepPlan
 
 HEXAPOD = load_machine("hexapod")
 EVERYWHERE = field_of(1.0, 0, HEXAPOD, (-8, 8, -8, 8))
@@ -231,3 +231,40 @@ def test_over_rough_ground_the_body_follows_and_feet_clear_the_crests() -> None:
     walked = walk(HEXAPOD, terrain, WALKING, trace_for({"kind": "sine", "distance": 4}, HEXAPOD))
     assert walked.arrived
     assert walked.faults == []
+
+
+def ground_with(things: list[tuple[float, float, float, float]], height: float) -> TerrainMap:
+    """Open level ground with boxes x1, x2, y1, y2 of this height on it, which nothing may step on."""
+    rows = columns = 320
+    heights, forbidden = np.zeros((rows, columns)), np.zeros((rows, columns), dtype=bool)
+    for x1, x2, y1, y2 in things:
+        box = slice(round((y1 + 8) / 0.05), round((y2 + 8) / 0.05)), slice(round((x1 + 8) / 0.05), round((x2 + 8) / 0.05))
+        heights[box], forbidden[box] = height, True
+    return TerrainMap(heights, forbidden, 0.05, (-8.0, -8.0), HEXAPOD.foot_radius)
+
+
+def deepest(plan: StepPlan, terrain: TerrainMap) -> float:
+    """How far a foot in the air goes below the ground under it, m (the last knot aims below on purpose)."""
+    most = 0.0
+    for k, phase in enumerate(plan.phases):
+        if phase in (Phase.UP, Phase.RETURN):
+            for part in np.linspace(0.0, 1.0, 9):
+                feet = plan.feet[k] + part * (plan.feet[k + 1] - plan.feet[k])
+                most = max(most, *(terrain.height_at(*feet[leg][:2]) - feet[leg][2] for leg in plan.swing))
+    return most
+
+
+def test_no_foot_is_carried_through_what_is_too_tall_to_lift_it_over() -> None:
+    """K's third truncation: posts of 0.6 m stand in the legs' way; feet pass beside them."""
+    posts = [(x, x + 0.1, side * 0.5, side * 0.5 + 0.1) for x, side in ((1.3, 1), (1.9, -1), (2.4, 1))]
+    terrain = ground_with(posts, 0.6)
+    walked = walk(HEXAPOD, terrain, WALKING, trace_for({"kind": "line", "length": 4}, HEXAPOD))
+    assert walked.faults == [] and walked.arrived
+    assert max(deepest(plan, terrain) for plan in walked.steps) <= 1e-9
+
+
+def test_what_the_torso_would_run_into_is_the_end_of_the_way_and_it_says_so() -> None:
+    walked = walk(HEXAPOD, ground_with([(3.0, 3.1, -0.1, 0.1)], 0.6), WALKING, trace_for({"kind": "line", "length": 4}, HEXAPOD))
+    assert walked.faults == []
+    assert walked.blocked is not None and "torso" in walked.blocked.reason
+    assert 1.5 < walked.stance.body[0] + HEXAPOD.torso[0] / 2 <= 3.0
