@@ -124,6 +124,10 @@ class StepPlan:
     landing: Point | None = None  # J_u of the first swing leg
     decision: dict[str, Any] | None = None  # why: filled only when asked
 
+    def __post_init__(self) -> None:
+        for array in (self.times, self.body, self.feet):
+            array.setflags(write=False)
+
 
 @dataclass(frozen=True, slots=True)
 class Blocked:

@@ -82,6 +82,11 @@ class Walk:
         self._thinking: Thinking | None = None
         self._ready: StepPlan | Blocked | None = None
         self._asked: tuple[Stance, Command, TerrainMap] | None = None
+        self._refused: tuple[Command, TerrainMap] | None = None  # what the last Blocked was an answer to
+        self._waited = 0  # ticks Level C has waited for the next step
+        self._held = 0  # steps running that were cut short because the body was not where they had it
+        self._hovered = "step"  # what it was doing when it began to hover
+        self._interrupted: StepPlan | None = None  # the step a settling or emergent motion cut short
         self._learnt: set[tuple[int, int]] = set()
         self._shunned: set[tuple[int, int]] = set()  # near where this encounter found no ground: searched last, not remembered
 
@@ -240,10 +245,6 @@ class Walk:
             self._begin(answer, stance, 0.0, command)
             self._refused = (command, terrain)
 
-    _refused: tuple[Command, TerrainMap] | None = None  # what the last Blocked was an answer to
-
-    _waited = 0  # ticks Level C has waited for the next step
-
     def _consider(self, stance: Stance, command: Command, terrain: TerrainMap, pieces: int = PIECES) -> None:
         """Ask for the step from ``stance`` unless just that was asked already; think a little further on it."""
         asked = self._asked
@@ -279,8 +280,6 @@ class Walk:
         x, y, _, _ = self.playback.body_at(self.t)
         return abs(x - sensing.body[0]) > HELD_BACK or abs(y - sensing.body[1]) > HELD_BACK
 
-    _held = 0  # steps running that were cut short for it
-
     def _stop(self, sensing: Sensing, terrain: TerrainMap) -> None:
         """The body stops in this tick; feet in the air are set down where they are nearest to ground."""
         plan = self.plan
@@ -301,8 +300,6 @@ class Walk:
         """Hold everything, one foot in the air on three that carry: there is no ground for it here. Driving on resumes."""
         self._hovered, self.kind, self.blocked = self.kind, "hover", why
 
-    _hovered = "step"
-
     def _go_on(self, sensing: Sensing, terrain: TerrainMap) -> None:
         """From hovering: the step goes on where it was held; a stranded foot searches again."""
         self.kind, self.blocked = self._hovered, None
@@ -316,8 +313,6 @@ class Walk:
         self.playback = Playback(plan)
         self.reflexes = self.reflexes.next_step()
         self.kind, self.t = kind, 0.0
-
-    _interrupted: StepPlan | None = None
 
     def _after_settling(self, sensing: Sensing) -> Stance:
         """What the planner should remember after a step that was cut short: who swung last, if anybody did."""
