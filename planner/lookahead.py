@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any, Generic, NamedTuple, TypeVar
 
 S = TypeVar("S")
+Answer = TypeVar("Answer")  # what a thought comes to
 C = TypeVar("C")
 
 
@@ -115,3 +116,13 @@ def firsts(branches: Iterable[Branch[S, C]]) -> list[Branch[S, C]]:
 
 def _score(branch: Branch[Any, Any]) -> float:
     return branch.score
+
+
+def in_one_go(thinking: Generator[None, Any, Answer]) -> Answer:
+    """A thought without pauses: what it comes to in the end."""
+    while True:
+        try:
+            next(thinking)
+        except StopIteration as done:
+            answer: Answer = done.value
+            return answer

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ..lookahead import in_one_go
 from ..machine import Machine
 from ..terrain import TerrainMap
 from ..vocabulary import Blocked, Command, Gait, Phase, Stance, StepPlan
@@ -64,13 +65,7 @@ def at_once(
     stance: Stance, command: Command, terrain: TerrainMap, machine: Machine, gait: Gait, *, explain: bool = False
 ) -> StepPlan | Blocked:
     """The same without a pause."""
-    thinking = think(stance, command, terrain, machine, gait, explain=explain)
-    while True:
-        try:
-            next(thinking)
-        except StopIteration as done:
-            answer: StepPlan | Blocked = done.value
-            return answer
+    return in_one_go(think(stance, command, terrain, machine, gait, explain=explain))
 
 
 def first_that_passes(field: Field, stance: Stance, ways: Ways, command: Command, notes: Notes | None) -> StepPlan | Blocked:

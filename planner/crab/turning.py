@@ -15,7 +15,7 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 from ..course import arc_exit, twist_of
-from ..lookahead import Branch, Found, Option, Search, beam, firsts
+from ..lookahead import Branch, Found, Option, Search, beam, firsts, in_one_go
 from ..machine import Machine
 from ..support import XY, stable_on_arc, support_polygon
 from ..terrain import TerrainMap
@@ -282,13 +282,7 @@ def plan_turn(
     stance: Stance, command: Command, terrain: TerrainMap, machine: Machine, gait: Gait, *, explain: bool = False
 ) -> StepPlan | Blocked:
     """The next step of a turning walk from N_k, or why there is none."""
-    thinking = think_turn(stance, command, terrain, machine, gait, explain=explain)
-    while True:
-        try:
-            next(thinking)
-        except StopIteration as done:
-            answer: StepPlan | Blocked = done.value
-            return answer
+    return in_one_go(think_turn(stance, command, terrain, machine, gait, explain=explain))
 
 
 def think_turn(

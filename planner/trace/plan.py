@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from ..course import Sampled
+from ..lookahead import in_one_go
 from ..machine import Machine
 from ..terrain import TerrainMap
 from ..vocabulary import Array, Blocked, Command, Gait, Point, Stance, StepPlan
@@ -66,7 +67,7 @@ def plan_step(
     A ``prediction`` that still serves is used; otherwise one is made here and now.
     """
     if prediction is None or not serves(prediction, stance, command, terrain, machine, trace):
-        prediction = run(predicting(stance, command, terrain, machine, gait, trace=trace, rigid=rigid))
+        prediction = in_one_go(predicting(stance, command, terrain, machine, gait, trace=trace, rigid=rigid))
     return next_step(prediction, stance, command, terrain, machine, gait, explain=explain)
 
 
@@ -96,16 +97,6 @@ class TraceWalk:
             return new
         n = index_of(old, stance)
         return new if n is None or n >= len(old.moves) else replace(old, complete=False, reason=new.reason)
-
-
-def run(thinking: Generator[None, None, Prediction]) -> Prediction:
-    """A prediction made in one go."""
-    while True:
-        try:
-            next(thinking)
-        except StopIteration as done:
-            found: Prediction = done.value
-            return found
 
 
 # using a prediction

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from rollout import faults_of, field_of, gait_of, walk
 
+from planner.lookahead import in_one_go
 from planner.machine import load_machine, machine_from
 from planner.terrain import TerrainMap
 from planner.trace.curve import trace_for
@@ -81,13 +82,7 @@ def test_the_joystick_may_change_its_mind_at_every_step() -> None:
 
 
 def finished(think: TraceWalk, stance: Stance, command: Command, terrain: TerrainMap) -> StepPlan | Blocked:
-    thinking = think(stance, command, terrain)
-    while True:
-        try:
-            next(thinking)
-        except StopIteration as done:
-            answer: StepPlan | Blocked = done.value
-            return answer
+    return in_one_go(think(stance, command, terrain))
 
 
 @pytest.mark.parametrize("name", GAITS)
