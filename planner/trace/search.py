@@ -13,7 +13,6 @@ from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, replace
 from heapq import heappop, heappush
 from itertools import product
-from typing import TypeVar
 
 from .footholds import AIR, Feet, Field, first_bit, legs_clear
 from .states import State, k_step
@@ -28,7 +27,6 @@ BATCH_COST = 10.0  # samples: how much a state's next batch waits behind its fir
 
 CHOICES = 6  # footholds tried for each leg of a rigid gait
 
-T = TypeVar("T")
 Key = tuple[Feet, int]  # feet, and the place (unbroken samples) they exist in
 
 
@@ -234,14 +232,4 @@ def moved_together(field: Field, state: State, place: int, legs: tuple[int, ...]
             new = new[:leg] + (f,) + new[leg + 1 :]
         if both and new != feet:
             yield State(new, field.nearest(both, at))
-
-
-def finish(thinking: Generator[None, None, T]) -> T:
-    """Run a search to its end."""
-    while True:
-        try:
-            next(thinking)
-        except StopIteration as done:
-            answer: T = done.value
-            return answer
 

@@ -168,7 +168,7 @@ def test_paths_are_relative_to_the_scenario_file(tmp_path: Path, monkeypatch: py
     assert make_ground(again.terrain, TITAN, base=again.base).heights.shape == (80, 80)
 
 
-@pytest.mark.parametrize("data", [{"terrain": {"file": "/etc/passwd"}}, {"robot": "/tmp/robot.toml"}])
+@pytest.mark.parametrize("data", [{"terrain": {"file": "/etc/passwd"}}, {"robot": "/elsewhere/robot.toml"}])
 def test_a_scenario_that_came_without_a_file_cannot_name_files(data: dict[str, Any]) -> None:
     assert "cannot name files" in refusal(data)
 

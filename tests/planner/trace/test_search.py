@@ -8,11 +8,12 @@ from exhaustive import farthest_reachable
 from rollout import field_of, gait_of
 
 from planner.course import Sampled
+from planner.lookahead import in_one_go
 from planner.machine import Machine, load_machine
 from planner.terrain import TerrainMap
 from planner.trace.curve import STEP, trace_from
 from planner.trace.footholds import AIR, Field, Lane, first_bit, run_end, run_start, span
-from planner.trace.search import finish, search
+from planner.trace.search import search
 from planner.trace.states import State, end_of, k_step
 
 HEXAPOD = load_machine("hexapod")
@@ -44,7 +45,7 @@ def test_on_open_ground_the_leg_that_must_leave_first_is_lifted_and_put_down_ahe
 def test_successive_states_overlap() -> None:
     """K: the necessary and sufficient condition for a stable motion."""
     field, start = field_on_trace(field_of(0.04, 3, HEXAPOD), 320)
-    path = finish(search(field, start, 320, 40_000))
+    path = in_one_go(search(field, start, 320, 40_000))
     assert path.complete
     for before, after in zip(path.states, path.states[1:], strict=False):
         assert field.valid(before.feet) & field.valid(after.feet)
@@ -61,7 +62,7 @@ def test_where_an_exhaustive_search_finds_a_way_so_does_the_planner_and_nowhere_
     course = trace_from({"kind": "sine"}, HEXAPOD.yaw_length, step=step)
     short = Sampled(step, course.x[: samples + 1].copy(), course.y[: samples + 1].copy(), course.yaw[: samples + 1].copy())
     most = farthest_reachable(HEXAPOD, terrain, short, tuple(leg.centre for leg in HEXAPOD.legs))
-    path = finish(search(field, start, samples, 1_000_000))
+    path = in_one_go(search(field, start, samples, 1_000_000))
     assert path.farthest == most
     assert path.complete == (most == samples)
 
@@ -94,6 +95,6 @@ def test_with_sway_a_field_can_be_crossed_that_the_trace_alone_cannot() -> None:
         )
         field = Field(lane, terrain, HEXAPOD).find_all()
         start = State(tuple(field.stand(leg, (*d.centre, 0.0), 0) for leg, d in enumerate(HEXAPOD.legs)), 0)
-        reached.append(finish(search(field, start, 320, 40_000)).farthest)
+        reached.append(in_one_go(search(field, start, 320, 40_000)).farthest)
     assert reached[1] >= reached[0]
     assert math.isclose(reached[1], 320, abs_tol=0)
