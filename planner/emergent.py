@@ -22,6 +22,7 @@ from .terrain import TerrainMap
 from .vocabulary import Blocked, Gait, Phase, Point, Stance, StepPlan
 
 RETREAT = 0.05  # m back along the way after a hit; less and whiskers still touch
+KEEP_CLEAR = 0.02  # m back before each further lift, so that whiskers come free
 LIFT_STEP = 0.05  # m a leg is lifted on at a time when the obstacle is still there
 SLOWER = 0.5  # of the swing speed: "somewhat lower velocity" (H §9.2 b)
 EDGE_LENGTH = 0.30  # m of a sensed edge that is marked, along it
@@ -140,7 +141,7 @@ def _climb(encounter: Encounter, at: Situation) -> StepPlan:
     """(c) A little back, to keep clear, and a little higher."""
     foot = at.here.feet[encounter.leg]
     away = _bearing_to(foot, encounter.goal) if at.bearing is None else at.bearing
-    back = (foot[0] - 0.02 * math.cos(away), foot[1] - 0.02 * math.sin(away), foot[2])
+    back = (foot[0] - KEEP_CLEAR * math.cos(away), foot[1] - KEEP_CLEAR * math.sin(away), foot[2])
     up = (back[0], back[1], min(foot[2] + LIFT_STEP, ceiling(at.here, encounter.leg, at.machine)))
     return _moved(at, encounter.leg, [back, up], (Phase.RETURN, Phase.UP), SLOWER)
 

@@ -17,9 +17,8 @@ from typing import NamedTuple
 import numpy as np
 
 from .machine import Machine
-from .vocabulary import Array, Phase, Point, Sensing, Stance, StepPlan
+from .vocabulary import TICK, Array, Phase, Point, Sensing, Stance, StepPlan
 
-TICK = 0.02  # Δt, s
 TURN_MIN = 1e-12  # rad; less than this to turn in one tick is no turn
 LEVEL = 1e-12  # rad; a posture sensor that reads less reads level
 ZERO = (0.0, 0.0, 0.0)

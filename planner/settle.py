@@ -14,7 +14,7 @@ import numpy as np
 
 from .machine import Leg, Machine
 from .terrain import TerrainMap
-from .vocabulary import Blocked, Gait, Phase, Point, Stance, StepPlan
+from .vocabulary import TICK, Blocked, Gait, Phase, Point, Stance, StepPlan
 
 CLEARANCE = 0.03  # m above the highest ground on the way; smaller and toes scrape
 
@@ -136,7 +136,7 @@ def body_still_plan(
     """One foot goes along ``knots`` (the first is where it is), ``seconds`` and a phase per stretch; the body stays where it is."""
     kept = [0, *(k for k, duration in enumerate(seconds, 1) if duration > 0.0)]
     if len(kept) == 1:  # nowhere to go: one tick of staying
-        kept, knots, seconds = [0, 1], [knots[0], knots[0]], (0.02,)
+        kept, knots, seconds = [0, 1], [knots[0], knots[0]], (TICK,)
     times = np.cumsum([0.0, *(seconds[k - 1] for k in kept[1:])])
     feet = np.array([[knots[k] if i == leg else foot for i, foot in enumerate(stance.feet)] for k in kept])
     body = np.array([stance.body] * len(kept))

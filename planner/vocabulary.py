@@ -14,6 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+TICK = 0.02  # s, Δt: one tick of Level C and of the simulation (H §10.2)
+
 Point = tuple[float, float, float]
 Array = NDArray[np.float64]
 

@@ -29,10 +29,10 @@ from .emergent import (
     motion,
 )
 from .machine import Machine
-from .reflex import TICK, Gains, Playback, ReflexState, holding_plan, reflex
+from .reflex import Gains, Playback, ReflexState, holding_plan, reflex
 from .settle import settle_together
 from .terrain import TerrainMap
-from .vocabulary import Blocked, Command, Gait, Mode, Phase, Point, Sensing, Stance, StepPlan
+from .vocabulary import TICK, Blocked, Command, Gait, Mode, Phase, Point, Sensing, Stance, StepPlan
 
 DT = TICK  # s, the tick of Level C (H §10.2)
 SAME_PLACE = 1e-6  # m; a stance this close to the plan's end is taken to be it

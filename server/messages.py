@@ -29,7 +29,6 @@ BRUSH_AMOUNT = 0.05  # m, one touch of the page's brush
 BRUSH_MAX = 3.0  # m, radius or side of one terrain edit
 CELLS_MAX = 10_000  # cells named one by one in one terrain edit
 INDEX_MAX = 100_000
-TERRAIN_ACTIONS = ("dig", "raise", "forbid", "clear")
 SHIPPED_NAME = r"^[a-z0-9][a-z0-9_-]{0,63}$"
 DECIMALS = 5  # 0.01 mm on the wire
 REFUSED_SHOWN, CANDIDATES_SHOWN = 200, 8  # of one decision on the wire

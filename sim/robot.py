@@ -20,14 +20,13 @@ import numpy as np
 
 from planner.machine import Machine
 from planner.support import GRAVITY, TIP_SLACK, polygon_margin, support_polygon
-from planner.vocabulary import Point, Sensing, Stance
+from planner.vocabulary import TICK, Point, Sensing, Stance
 
 from .contact import OVER, World
 from .ground import Ground
 from .posture import Rest, Rotation, about, after, angles, attitude, lean, nearest_inside, plane_fit, rest, rotation, turned, unturned
 from .topple import DROP_MAX, FALL_TILT, Edge, Fall, angular_acceleration, carried_over, edge_of, passed_on
 
-TICK = 0.02  # s
 TOUCH = 1e-6  # m; a moving foot this near the ground has come down: nearer than that a servo could not take it in time
 SOLE_GAP = 0.001  # m; a sole this near the ground is on: what it gives under load
 ROCK = 0.01  # m; a body about to tip onto a foot that hangs no higher than this rests on it at once, without a fall

@@ -11,13 +11,13 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from ..machine import Machine
-from ..vocabulary import Gait, Phase, Point
+from ..vocabulary import TICK, Gait, Phase, Point
 
 EVEN: tuple[tuple[float, float], ...] = ((1.0, 1.0),)
 # Eased motion as stairs of constant speed: 1/4, 3/4, then 1 of the peak, mirrored; peak / mean = 1.25 = Gait.peak (H §11 (3)).
 EASED: tuple[tuple[float, float], ...] = ((0.1, 0.03125), (0.2, 0.125), (0.8, 0.875), (0.9, 0.96875), (1.0, 1.0))
 
-BACK_MIN = 0.02  # s, one tick of Level C: no return phase is shorter
+BACK_MIN = TICK  # s, one tick of Level C: no return phase is shorter
 WAIT_SHARE = 0.2  # of V_z at which a waiting body changes height
 CLIMB_SHARE = 0.5  # of V_z left to the body's own climb; more leaves too little to lift the foot against it
 

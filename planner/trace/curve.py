@@ -25,7 +25,6 @@ KINDS = ("waypoints", "line", "circle", "sine", "spiral", "turn", "sideways")
 YAWS = ("tangent", "fixed")
 
 Start = tuple[float, float, float]  # x, y, yaw
-Curve = Callable[[Array], tuple[Array, Array, Array]]  # a parameter in metres or radians -> x, y, tangent direction
 
 
 class TraceError(ValueError):

@@ -327,15 +327,3 @@ def body_heights(x: Array, y: Array, terrain: TerrainMap, machine: Machine, gait
     known = np.isfinite(mean)
     mean = np.interp(np.arange(len(x)), np.nonzero(known)[0], mean[known])
     return np.asarray(mean + gait.height)
-
-
-def standing_start(machine: Machine, gait: Gait, x: float, y: float, yaw: float, height_at: Any) -> Stance:
-    """The start posture of the trace walker: every foot at the middle of its rectangle, the body H above their mean."""
-    c, d = math.cos(yaw), math.sin(yaw)
-    feet = []
-    for leg in machine.legs:
-        cx, cy = leg.centre
-        px, py = x + c * cx - d * cy, y + d * cx + c * cy
-        z = height_at(px, py)
-        feet.append((px, py, z if math.isfinite(z) else 0.0))
-    return Stance((x, y, sum(f[2] for f in feet) / len(feet) + gait.height, yaw), tuple(feet))

@@ -7,12 +7,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from planner.brain import square_stance
 from planner.course import Sampled
 from planner.machine import Machine
 from planner.support import MARGIN_SLACK, polygon_margin, support_polygon
 from planner.terrain import TerrainMap
 from planner.trace.gait import RigidGait
-from planner.trace.plan import ARRIVED, TraceWalk, standing_start
+from planner.trace.plan import ARRIVED, TraceWalk
 from planner.vocabulary import Blocked, Command, Gait, Phase, Stance, StepPlan
 
 TOUCH = 0.005  # m, a foot's reach may be exceeded by while the torso turns between knots
@@ -53,7 +54,7 @@ def walk(
 ) -> Walked:  # fmt: skip
     gait = gait_of(machine)
     pose = trace.pose(0.0) if trace is not None else (0.0, 0.0, 0.0)
-    now = stance or standing_start(machine, gait, *pose, lambda x, y: 0.0 if terrain.is_level else terrain.height_at(x, y))
+    now = stance or square_stance(machine, gait, pose, lambda x, y: 0.0 if terrain.is_level else terrain.height_at(x, y))
     out, think = Walked(now), TraceWalk(machine, gait, trace, rigid)
     for _ in range(steps):
         thinking = think(now, command, terrain)

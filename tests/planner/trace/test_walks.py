@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from rollout import faults_of, field_of, gait_of, walk
 
+from planner.brain import square_stance
 from planner.lookahead import in_one_go
 from planner.machine import load_machine, machine_from
 from planner.terrain import TerrainMap
 from planner.trace.curve import trace_for
 from planner.trace.gait import GAITS
-from planner.trace.plan import ARRIVED, TraceWalk, plan_step, standing_start
+from planner.trace.plan import ARRIVED, TraceWalk, plan_step
 from planner.vocabulary import Blocked, Command, Phase, Stance, StepPlan
 
 HEXAPOD = load_machine("hexapod")
@@ -72,7 +73,7 @@ def test_the_joystick_drives_any_way(crab_deg: int) -> None:
 
 def test_the_joystick_may_change_its_mind_at_every_step() -> None:
     rng = np.random.default_rng(7)
-    think, now = TraceWalk(HEXAPOD, gait_of(HEXAPOD)), standing_start(HEXAPOD, gait_of(HEXAPOD), 0.0, 0.0, 0.0, lambda x, y: 0.0)
+    think, now = TraceWalk(HEXAPOD, gait_of(HEXAPOD)), square_stance(HEXAPOD, gait_of(HEXAPOD), (0.0, 0.0, 0.0), lambda x, y: 0.0)
     for _ in range(40):
         command = Command(float(rng.uniform(-math.pi, math.pi)), float(rng.uniform(0.05, 0.4)), float(rng.uniform(-0.4, 0.4)))
         answer = finished(think, now, command, SPARSE)
@@ -138,7 +139,7 @@ def test_the_walker_is_slower_where_footholds_are_far_apart() -> None:
 
 
 def test_a_slower_command_makes_a_slower_step_over_the_same_ground() -> None:
-    stance = standing_start(HEXAPOD, gait_of(HEXAPOD), 0.0, 0.0, 0.0, lambda x, y: 0.0)
+    stance = square_stance(HEXAPOD, gait_of(HEXAPOD), (0.0, 0.0, 0.0), lambda x, y: 0.0)
     trace = trace_for({"kind": "line"}, HEXAPOD)
     fast, slow = (plan_step(stance, Command(speed=v), EVERYWHERE, HEXAPOD, gait_of(HEXAPOD), trace=trace) for v in (0.4, 0.02))
     assert isinstance(fast, StepPlan) and isinstance(slow, StepPlan)
@@ -170,7 +171,7 @@ def test_when_the_map_grows_it_walks_on() -> None:
     seen = TerrainMap(np.where(forbidden, np.nan, 0.0), forbidden, 0.05, EVERYWHERE.origin)
     trace = trace_for({"kind": "line"}, HEXAPOD)
     think = TraceWalk(HEXAPOD, gait_of(HEXAPOD), trace)
-    now = standing_start(HEXAPOD, gait_of(HEXAPOD), 0.0, 0.0, 0.0, lambda x, y: 0.0)
+    now = square_stance(HEXAPOD, gait_of(HEXAPOD), (0.0, 0.0, 0.0), lambda x, y: 0.0)
     for terrain in (seen, EVERYWHERE):
         while isinstance(answer := finished(think, now, WALKING, terrain), StepPlan):
             now = answer.end
@@ -179,7 +180,7 @@ def test_when_the_map_grows_it_walks_on() -> None:
 
 def test_it_leaves_a_posture_that_is_not_its_own() -> None:
     """Feet set down anywhere by a stop in mid-step are footholds like any other."""
-    stance = standing_start(HEXAPOD, gait_of(HEXAPOD), 0.0, 0.0, 0.0, lambda x, y: 0.0)
+    stance = square_stance(HEXAPOD, gait_of(HEXAPOD), (0.0, 0.0, 0.0), lambda x, y: 0.0)
     moved = Stance((0.07, -0.03, stance.body[2], 0.02), stance.feet, course=0.05)
     answer = plan_step(moved, WALKING, SPARSE, HEXAPOD, gait_of(HEXAPOD), trace=trace_for({"kind": "line"}, HEXAPOD))
     assert isinstance(answer, StepPlan)
@@ -188,7 +189,7 @@ def test_it_leaves_a_posture_that_is_not_its_own() -> None:
 
 def test_feet_set_down_beyond_their_rectangles_are_walked_away_from() -> None:
     """A stop in mid-step may use the mechanical reach: such a foot stays until it is lifted, and gets no farther out."""
-    stance = standing_start(HEXAPOD, gait_of(HEXAPOD), 0.0, 0.0, 0.0, lambda x, y: 0.0)
+    stance = square_stance(HEXAPOD, gait_of(HEXAPOD), (0.0, 0.0, 0.0), lambda x, y: 0.0)
     astray = Stance((0.33, 0.02, stance.body[2], 0.0), stance.feet, course=0.33)  # fore feet 3 cm behind, hind feet 3 cm beyond
     walked = walk(HEXAPOD, SPARSE, WALKING, trace_for({"kind": "line"}, HEXAPOD), stance=astray, until=2.0)
     assert walked.blocked is None and walked.stance.course >= 2.0
@@ -202,7 +203,7 @@ def test_feet_set_down_beyond_their_rectangles_are_walked_away_from() -> None:
 
 @pytest.mark.parametrize("margin", (0.0, 0.004))
 def test_a_posture_less_stable_than_the_margin_is_left_without_becoming_less_so(margin: float) -> None:
-    stance = standing_start(HEXAPOD, gait_of(HEXAPOD), 0.0, 0.0, 0.0, lambda x, y: 0.0)
+    stance = square_stance(HEXAPOD, gait_of(HEXAPOD), (0.0, 0.0, 0.0), lambda x, y: 0.0)
     (ax, ay), (bx, by) = stance.feet[4][:2], stance.feet[0][:2]  # the edge the body is about to cross
     x = (ax + bx) / 2 - margin * math.hypot(bx - ax, by - ay) / (by - ay)
     leaning = Stance((x, 0.0, stance.body[2], 0.0), stance.feet, lifted=(1, 3, 5), course=x)
@@ -212,7 +213,7 @@ def test_a_posture_less_stable_than_the_margin_is_left_without_becoming_less_so(
 
 
 def test_a_machine_that_does_not_stand_has_no_step() -> None:
-    stance = standing_start(HEXAPOD, gait_of(HEXAPOD), 0.0, 0.0, 0.0, lambda x, y: 0.0)
+    stance = square_stance(HEXAPOD, gait_of(HEXAPOD), (0.0, 0.0, 0.0), lambda x, y: 0.0)
     toppling = Stance((0.36, 0.0, stance.body[2], 0.0), stance.feet, lifted=(1, 3, 5), course=0.36)
     answer = plan_step(toppling, WALKING, SPARSE, HEXAPOD, gait_of(HEXAPOD), trace=trace_for({"kind": "line"}, HEXAPOD))
     assert isinstance(answer, Blocked) and "stable" in answer.reason
