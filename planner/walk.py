@@ -43,7 +43,7 @@ LANDED_AS_PLANNED = 0.02  # m; a foot set down farther from J_u than this has no
 
 PIECES = 4  # pieces of thought a tick while a step runs; more and the tick takes longer than it need
 PIECES_WANTED = 16  # the same while Level C waits for the step (F3): still well inside a tick
-WAIT_MAX = 3  # ticks Level C waits on standing feet before it takes the best step thought of so far
+WAIT_MAX = 2  # ticks Level C waits on standing feet before it takes the best step thought of so far
 
 PlanStep = Callable[[Stance, Command, TerrainMap], StepPlan | Blocked]
 Thinking = Generator[None, bool | None, StepPlan | Blocked]  # pauses after each piece; send(True): the best so far is wanted now
