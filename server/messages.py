@@ -338,7 +338,7 @@ class DecisionFrame(BaseModel):
     landing_m: list[float] | None
     refused_m: list[list[float]] = Field(description="cells refused on the way to the landing")
     legs: list[dict[str, Any]] = Field(description="in the order they were tried")
-    search: str = Field(description="paper | back | near | wide in predictive mode")
+    search: str = Field(description="paper | back | near | wide in predictive mode, turn on an arc")
     escape: str
     candidates: list[dict[str, Any]] = Field(description="best first, in predictive mode")
     notes: list[str]

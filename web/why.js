@@ -5,6 +5,7 @@ import { legNames } from "./readings.js";
 const SEARCHES = {
   paper: "the paper's own step keeps the standard walk", back: "looked ahead: back to the standard walk",
   near: "looked ahead: steps near the paper's", wide: "looked ahead: any foothold in reach",
+  turn: "looked ahead: sequences of swings and sways along the arc",
 };
 const OPEN = "walking-console.why";
 

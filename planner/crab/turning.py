@@ -12,14 +12,15 @@ from __future__ import annotations
 import math
 from collections.abc import Generator, Iterator
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ..course import arc_exit, twist_of
-from ..lookahead import Branch, Found, Option, Search, beam, firsts, in_one_go
+from ..lookahead import Found, Option, Search, beam, firsts, in_one_go
 from ..machine import Machine
 from ..support import XY, stable_on_arc, support_polygon
 from ..terrain import TerrainMap
 from ..vocabulary import Blocked, Command, Gait, Stance, StepPlan
+from . import turnnotes
 from .arcplan import EARLY, Move, Rises, in_body, sway_plan, swing_plan
 from .arcs import Circular, carried, circular_gait
 from .landing import Ground, clipped, ground_of, nearest_of
@@ -187,14 +188,14 @@ class Outlook:
             return None
         return arc_exit(x, y, box, self.circular.twist)
 
-    def cells(self, place: Place, around: XY) -> Iterator[tuple[float, float, float, float, float]]:
-        """Free cells from the nearest on: centre in body axes, in the absolute frame, and how far away it is."""
+    def cells(self, place: Place, around: XY, every: bool = False) -> Iterator[tuple[float, float, float, float, float]]:
+        """Free cells (or ``every`` one) from the nearest on: centre in body axes, in the absolute frame, and how far away it is."""
         forbidden, rows, columns, cell, ox, oy = self.ground
         c, s = math.cos(place.yaw), math.sin(place.yaw)
         column, row = math.floor((around[0] - ox) / cell), math.floor((around[1] - oy) / cell)
         for dc, dr, away in _ring(cell):
             i, j = column + dc, row + dr
-            if not (0 <= i < columns and 0 <= j < rows) or forbidden[j * columns + i]:
+            if not (0 <= i < columns and 0 <= j < rows) or (forbidden[j * columns + i] and not every):
                 continue
             qx, qy = ox + (i + 0.5) * cell, oy + (j + 0.5) * cell
             dx, dy = qx - place.x, qy - place.y
@@ -238,17 +239,6 @@ class Outlook:
         feet = tuple(twist.seen(*(move.landing if i == move.leg else foot), move.g) for i, foot in enumerate(place.feet))
         lost = max(0.0, self.full - (move.g - move.g0)) + (THIN_COST if move.inset < THIN else 0.0)
         return Place(*place.absolute(dx, dy), place.yaw + turn, feet, self.exits(feet), move.leg, place.way + move.g), move.g - lost
-
-
-def _told(ways: list[Branch[Place, Move]]) -> list[dict[str, Any]]:
-    """The search for the decision trace: each candidate's first step and how it scored."""
-    return [
-        {
-            "leg": way.first.leg + 1 if way.first.leg >= 0 else None, "g0": way.first.g0, "g": way.first.g, "inset": way.first.inset,
-            "landing": list(way.first.ground), "score": way.score, "gain": way.gain, "steps": way.steps,
-        }
-        for way in firsts(ways)
-    ]  # fmt: skip
 
 
 def _inside_of(corners: list[XY], polygon: tuple[XY, ...], inset: float, dx: float, dy: float) -> list[XY]:
@@ -298,11 +288,14 @@ def think_turn(
     for depth, width in (DEPTH, WIDTH), (FAR_DEPTH, FAR_WIDTH):
         found = yield from _patiently(outlook.look(depth, width))
         if notes is not None:
-            notes["candidates"] = _told(found.ways)
+            notes["lookahead"] = turnnotes.weighed(found.ways, depth)
         for way in firsts(found.ways):
             if way.state.way < outlook.useful and outlook.promise(way.state) <= stay + STILL:
                 continue  # no better than to stay
             plan: StepPlan | Blocked
+            if notes is not None:
+                notes["legs"] = turnnotes.legs_tried(outlook, way.first)
+                notes["domain"] = turnnotes.searched(outlook, way.first) if way.first.leg >= 0 else None
             if way.first.leg < 0:
                 plan = sway_plan(rises, way.first, pace, notes)
             else:
@@ -311,6 +304,8 @@ def think_turn(
                 return plan
             answer = plan
         outlook.never_again = False
+    if notes is not None and "legs" not in notes:
+        notes["legs"] = turnnotes.legs_tried(outlook, None)
     return answer
 
 

@@ -45,7 +45,9 @@ def test_a_crab_step_says_who_was_tried_and_where_it_searched(mode: str) -> None
 def test_a_turning_step_says_what_was_weighed(turn_rate: float) -> None:
     console = walked(Console(prepare(load_scenario("flat")), explain=True), Command(0.0, 0.08, turn_rate), 200)
     frame = decision_frame(console.snapshot())
-    assert frame is not None and DecisionFrame.model_validate(frame).candidates
+    assert frame is not None
+    told = DecisionFrame.model_validate(frame)
+    assert told.search == "turn" and told.candidates and len(told.legs) == 4
     json.dumps(frame, allow_nan=False)
 
 

@@ -162,7 +162,31 @@ def test_it_answers_alike_every_time_and_says_why_when_asked():
     stance = standard_stance(TITAN, settings, 0.0, 0.0, 0.0, 0.0, LEVEL.height_at)
     one, two = (plan_step(stance, command, LEVEL, TITAN, settings, explain=True) for _ in range(2))
     assert np.array_equal(one.feet, two.feet) and one.decision == two.decision
-    assert one.decision["candidates"][0]["score"] >= one.decision["candidates"][-1]["score"]
+    candidates = one.decision["lookahead"]["candidates"]
+    assert candidates[0]["score"] >= candidates[-1]["score"]
+
+
+@pytest.mark.parametrize("radius", [0.0, 1.0])
+def test_a_step_of_a_turn_says_of_every_leg_what_came_of_it(radius):
+    settings, terrain, command = gait(), holes(0.5, seed=4), on_circle(radius, 20.0)
+    stance = standard_stance(TITAN, settings, 0.0, 0.0, 0.0, 0.0, terrain.height_at)
+    reasons, cells = set(), 0
+    for _ in range(30):
+        plan = plan_step(stance, command, terrain, TITAN, settings, explain=True)
+        silent = plan_step(stance, command, terrain, TITAN, settings)
+        assert np.array_equal(plan.feet, silent.feet) and silent.decision is None, "explaining changed the plan"
+        legs = plan.decision["legs"]
+        assert sorted(trial["leg"] for trial in legs) == [1, 2, 3, 4]
+        reasons |= {trial.get("reason", "") for trial in legs}
+        if plan.swing:
+            (taken,) = [trial for trial in legs if trial["leg"] == plan.swing[0] + 1]
+            assert "reason" not in taken and taken["g0"] == plan.support_shift and taken["g"] == plan.shift
+            assert all(not terrain.allows(cell["x"], cell["y"]) for cell in taken["refused"])
+            cells += len(taken["refused"])
+            corners = np.array(plan.decision["domain"])
+            assert support_polygon(corners.tolist()) and polygon_margin(support_polygon(corners.tolist()), *plan.landing[:2]) >= -1e-6
+        stance = plan.end
+    assert cells > 0 and any("triangle" in reason for reason in reasons)
 
 
 def test_where_no_foot_may_land_it_says_so():
