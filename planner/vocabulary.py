@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 TICK = 0.02  # s, Δt: one tick of Level C and of the simulation (H §10.2)
+POSTURES = ("sit", "stand", "standard")  # what may be asked of a machine that stands; standard: its feet in the layout of the last course
 
 Point = tuple[float, float, float]
 Array = NDArray[np.float64]
@@ -79,6 +80,10 @@ class Mode(IntEnum):
     EMERGENT = 8
     TIPPING = 9
     FALLEN = 10
+    SIT_DOWN = 11
+    SIT = 12
+    STAND_UP = 13
+    REGROUP = 14  # going back into the standard layout
 
 
 @dataclass(frozen=True, slots=True)

@@ -29,10 +29,11 @@ from .emergent import (
     motion,
 )
 from .machine import Machine
+from .poses import Choosing, Poses, regroup, sit, stand
 from .reflex import Gains, Playback, ReflexState, holding_plan, reflex
 from .settle import settle_together
 from .terrain import TerrainMap
-from .vocabulary import TICK, Blocked, Command, Gait, Mode, Phase, Point, Sensing, Stance, StepPlan
+from .vocabulary import POSTURES, TICK, Blocked, Command, Gait, Mode, Phase, Point, Sensing, Stance, StepPlan
 
 DT = TICK  # s, the tick of Level C (H §10.2)
 SAME_PLACE = 1e-6  # m; a stance this close to the plan's end is taken to be it
@@ -44,10 +45,13 @@ LANDED_AS_PLANNED = 0.02  # m; a foot set down farther from J_u than this has no
 PIECES = 4  # pieces of thought a tick while a step runs; more and the tick takes longer than it need
 PIECES_WANTED = 16  # the same while Level C waits for the step (F3): still well inside a tick
 WAIT_MAX = 2  # ticks Level C waits on standing feet before it takes the best step thought of so far
+POSE_TRIES = 8  # times a posture is begun anew because the ground, or a push, was not as planned, before it says so
+SAME_GROUND = 0.01  # m; a foothold ahead whose believed height has changed by more is planned anew
 
 PlanStep = Callable[[Stance, Command, TerrainMap], StepPlan | Blocked]
 Thinking = Generator[None, bool | None, StepPlan | Blocked]  # pauses after each piece; send(True): the best so far is wanted now
 Think = Callable[[Stance, Command, TerrainMap], Thinking]
+Layout = Callable[[float, tuple[float, float, float], Callable[[float, float], float]], Stance]  # crab angle, x y yaw, ground height
 
 _MODES = {
     Phase.SUPPORT: Mode.SUPPORT,
@@ -56,19 +60,35 @@ _MODES = {
     Phase.DOWN: Mode.DOWN,
     Phase.SHIFT: Mode.SHIFT,
 }
+_POSING = {"sit": Mode.SIT_DOWN, "stand": Mode.STAND_UP, "standard": Mode.REGROUP}
 
 
 class Walk:
     """One walker's walk. ``advance`` is called once a tick and answers with foot velocities for the servos."""
 
-    def __init__(self, machine: Machine, gait: Gait, stance: Stance, think: Think, gains: Gains | None = None) -> None:
+    def __init__(
+        self,
+        machine: Machine,
+        gait: Gait,
+        stance: Stance,
+        think: Think,
+        gains: Gains | None = None,
+        *,
+        layout: Layout,
+        crab_angle: float = 0.0,
+    ) -> None:
         self.machine = machine
         self.gait = gait
         self.think = think
         self.gains = gains or Gains()
+        self.layout = layout  # the standard posture of a course
+        self.crab_angle = crab_angle  # rad, of the last course commanded
         self.stance = stance  # at the last N_k
         self.playback = Playback(holding_plan(stance))
-        self.kind = "stand"  # stand | step | settle | emergent | hover
+        self.kind = "stand"  # stand | step | settle | emergent | hover | pose
+        self.posture = "stand"  # the posture it is in, or going to: stand | sit | standard
+        self.wanted = ""  # the posture asked for and not yet reached
+        self.low = False  # the body has sunk on command and not been raised again: it rises before it walks
         self.encounter: Encounter | None = None  # the emergent motion under way
         self.t = 0.0  # s into the running plan
         self.pace = 0.0  # plan seconds per second, this tick
@@ -87,6 +107,11 @@ class Walk:
         self._held = 0  # steps running that were cut short because the body was not where they had it
         self._hovered = "step"  # what it was doing when it began to hover
         self._interrupted: StepPlan | None = None  # the step a settling or emergent motion cut short
+        self._choosing: Choosing | None = None  # the order of the legs is being searched for
+        self._poses: Poses = ()  # the rest of the running posture's plans
+        self._pose_ground: TerrainMap | None = None  # the map they were made on
+        self._rises_to_walk = False  # a command to move wants the posture it is taking
+        self._tries = 0  # times the posture wanted has been begun
         self._learnt: set[tuple[int, int]] = set()
         self._shunned: set[tuple[int, int]] = set()  # near where this encounter found no ground: searched last, not remembered
 
@@ -110,7 +135,9 @@ class Walk:
         if self.kind == "emergent":
             return Mode.EMERGENT
         if self.kind == "stand":
-            return Mode.BLOCKED if self.blocked else Mode.STAND
+            return Mode.BLOCKED if self.blocked else Mode.SIT if self.posture == "sit" and not self.wanted else Mode.STAND
+        if self.kind == "pose":
+            return _POSING[self.posture]
         return _MODES[self.plan.phases[self.playback.stretch(self.t)]]
 
     @property
@@ -136,9 +163,17 @@ class Walk:
     def advance(self, sensing: Sensing, command: Command, terrain: TerrainMap) -> list[Point]:
         """Decide for one tick: foot velocities in body axes, m/s, in leg order."""
         self.executed = None
+        if self._rises_to_walk and command.holds:
+            self.halt()
+        elif not command.holds and (self.wanted or self.low or self.kind == "pose"):
+            self._heed(command, terrain)
         if self.kind == "stand":
-            if not command.holds:
+            if self.wanted:
+                self._take_posture(sensing, terrain)
+            elif not command.holds:
                 self._start(sensing, command, terrain)
+        elif self.kind == "pose":
+            self._pose_on(sensing, terrain)
         elif self.kind == "step":
             if command.holds:
                 self._stop(sensing, terrain)
@@ -154,7 +189,7 @@ class Walk:
                 self._go_on(sensing, terrain)
         elif all(self.reflexes.landed[i] for i in self.plan.swing):
             self._rest(self._actual(sensing, self._after_settling(sensing)))
-            if not command.holds:
+            if not command.holds and not self.wanted:
                 self._start(sensing, command, terrain)
         t_next = self._time_after_tick(sensing, command, terrain)
         velocities, self.reflexes = reflex(self.playback, t_next, sensing, self.reflexes, self.gains, DT)
@@ -174,6 +209,8 @@ class Walk:
             return self.playback.duration
         if self.kind == "settle":
             return self._no_ground(sensing, terrain)
+        if self.kind == "pose":
+            return self._next_pose(sensing, terrain, max(left, 0.0))
         return self._switch(sensing, command, terrain, max(left, 0.0))
 
     def _pace_for(self, command: Command) -> float:
@@ -221,6 +258,9 @@ class Walk:
         self.t = 0.0
         self.steps_begun += 1
         self.heading = stance.body[3] + answer.crab_angle
+        self.posture = "stand"
+        if command.speed > 0.0:
+            self.crab_angle = command.crab_angle
         self.flags = (True, False, False)
         self.pace = self._pace_for(command)
         return min(left * self.pace, self.playback.duration)
@@ -273,6 +313,131 @@ class Walk:
     def _forget(self) -> None:
         self._asked, self._thinking, self._ready = None, None, None
 
+    # postures on command
+
+    def pose(self, posture: str) -> str:
+        """Take a posture as soon as it stands; why not, or '' when it will. What else it was going to is dropped."""
+        if posture not in POSTURES:
+            return f"unknown posture {posture!r}; there are: {', '.join(POSTURES)}"
+        if self.kind == "hover":
+            return "a foot is in the air and has found no ground: drive on first"
+        if self.kind == "stand":
+            self.blocked = None
+        self.wanted, self._rises_to_walk, self._tries = posture, False, 0
+        self._choosing = None
+        return ""
+
+    def halt(self) -> None:
+        """Whatever posture it is taking, it stops in the next tick, and stays as it is."""
+        self.wanted, self._rises_to_walk, self._choosing = "", False, None
+
+    @property
+    def posing(self) -> bool:
+        """True while a posture is being taken, or is to be."""
+        return self.kind == "pose" or self.wanted != ""
+
+    def _heed(self, command: Command, terrain: TerrainMap) -> None:
+        """A command to move: the posture asked for is dropped, but a machine that has sunk rises first, and then walks."""
+        if not (self.low and self.kind in ("stand", "pose")):
+            return self.halt()
+        if self.wanted != "stand" and not (self.blocked and self._refused == (command, terrain)):
+            self.pose("stand")
+            self._refused = command, terrain
+        self._rises_to_walk = self.wanted == "stand"
+
+    def _take_posture(self, sensing: Sensing, terrain: TerrainMap) -> None:
+        """From standing: plan the posture that is wanted, and begin; the order of the legs takes a few ticks to find."""
+        if self._choosing is None:
+            if self._tries >= POSE_TRIES:
+                return self._give_up(Blocked("something keeps the machine from the posture asked for"))
+            self._tries += 1
+            self._pose_ground = terrain
+            self._forget()
+        stance = self.stance = self._actual(sensing, self.stance)
+        answer: Poses | Blocked | None
+        if self.wanted == "sit":
+            answer = sit(stance, terrain, self.machine, self.gait)
+        elif self.wanted == "stand" or self.low:
+            answer = stand(stance, terrain, self.machine, self.gait)
+        else:
+            answer = self._regrouped(stance, terrain)
+        if isinstance(answer, Blocked):
+            return self._give_up(answer)
+        if answer is not None:
+            self.posture = "stand" if self.low and self.wanted == "standard" else self.wanted
+            self.low = self.low or self.wanted == "sit"
+            self.blocked = None
+            self._poses = answer
+            self._play_pose()
+
+    def _regrouped(self, stance: Stance, terrain: TerrainMap) -> Poses | Blocked | None:
+        """The plans into the standard layout at the present pose; None while the order of the legs is being searched for."""
+        if self._choosing is None:
+            x, y, _, yaw = stance.body
+            goal = self.layout(self.crab_angle, (x, y, yaw), terrain.height_at)
+            self._choosing = regroup(stance, goal, terrain, self.machine, self.gait, self.crab_angle)
+        try:
+            for _ in range(PIECES_WANTED):
+                next(self._choosing)
+        except StopIteration as done:
+            self._choosing = None
+            answer: Poses | Blocked = done.value
+            return answer
+        return None
+
+    def _give_up(self, why: Blocked) -> None:
+        self.halt()
+        self.blocked = why
+
+    def _play_pose(self) -> None:
+        """The next plan of the posture; when there is none left, it has been taken."""
+        if not self._poses:
+            return self._posed(self.stance)
+        plan, self._poses = self._poses[0], self._poses[1:]
+        self._play(plan, "pose")
+        self.steps_begun += self.posture == "standard"
+
+    def _posed(self, stance: Stance) -> None:
+        """The posture is taken; one that was only on the way to another leaves that wanted."""
+        self.low = self.posture == "sit"
+        if self.wanted == self.posture:
+            self.wanted = ""
+        self._rest(stance)
+
+    def _pose_on(self, sensing: Sensing, terrain: TerrainMap) -> None:
+        """One tick of a posture being taken: is it still wanted, does all go as planned?"""
+        on_the_way = self.wanted == "standard" and self.posture == "stand" and self.low
+        if self.wanted != self.posture and not on_the_way or self._held_back(sensing):
+            self.posture = "stand"
+            self._stop(sensing, terrain)
+        else:
+            self._surprised(sensing, terrain)
+
+    def _next_pose(self, sensing: Sensing, terrain: TerrainMap, left: float) -> float:
+        """A plan of the posture is over; ``left`` seconds of this tick belong to the next one, if all came out as planned."""
+        plan = self.plan
+        if any(not self.reflexes.landed[leg] for leg in plan.swing):
+            return self._no_ground(sensing, terrain)
+        stance = self._arrived(sensing)
+        if self.posture == "standard":
+            self._finish(replace(plan, end=stance))
+        self.stance = stance
+        if not self._poses:
+            self._posed(stance)
+            return 0.0
+        if stance is not plan.end or not self._still_good(terrain):
+            self._rest(stance)  # and plan anew from there: the posture is still wanted
+            return 0.0
+        self._play_pose()
+        return min(left, self.playback.duration)
+
+    def _still_good(self, terrain: TerrainMap) -> bool:
+        """True while every foothold still to come is believed to be what it was taken for."""
+        if terrain is self._pose_ground:
+            return True
+        places = [plan.landing for plan in self._poses if plan.landing is not None]
+        return all(terrain.allows(x, y) and abs(terrain.height_at(x, y) - z) <= SAME_GROUND for x, y, z in places)
+
     # stopping and settling
 
     def _held_back(self, sensing: Sensing) -> bool:
@@ -309,7 +474,7 @@ class Walk:
             self._follow(self.encounter.after(Event.ORDER), sensing, None, terrain)
 
     def _play(self, plan: StepPlan, kind: str) -> None:
-        self._interrupted = self.plan if self.kind == "step" else self._interrupted
+        self._interrupted = self.plan if self.kind in ("step", "pose") else self._interrupted
         self.playback = Playback(plan)
         self.reflexes = self.reflexes.next_step()
         self.kind, self.t = kind, 0.0
@@ -397,7 +562,7 @@ class Walk:
             return
         self._learn(event, encounter.leg, sensing, bearing, terrain)
         self._follow(encounter.after(event), sensing, bearing, terrain)
-        if self.kind == "stand" and not command.holds:
+        if self.kind == "stand" and not command.holds and not self.wanted:
             self._start(sensing, command, terrain)
 
     def _event(self, encounter: Encounter, sensing: Sensing, bearing: float | None) -> Event | None:

@@ -130,7 +130,19 @@ class Push:
     ticks: int = 1
 
 
-Request = Reset | Load | Edit | Push
+@dataclass(frozen=True)
+class Pose:
+    """Take a posture: sit, stand, or standard (its feet in the layout of the last course). The machine stops first."""
+
+    posture: str
+
+
+@dataclass(frozen=True)
+class Halt:
+    """Stop in whatever posture it is being taken to; a walking machine holds by its command."""
+
+
+Request = Reset | Load | Edit | Push | Pose | Halt
 
 
 class Console:
@@ -154,7 +166,9 @@ class Console:
         wanted = world.scenario.noise
         noise = None if wanted is None else Noise(wanted.position, wanted.posture)
         self.plant = Plant(world.machine, world.ground, world.stance, noise=noise, rng=np.random.default_rng(world.scenario.seed))
-        self.walk = Walk(world.machine, world.gait, world.stance, self._thinker(world), Gains())
+        layout = partial(brain.start_stance, world.scenario.planner, world.machine, world.gait)
+        course = first_crab_angle(world.scenario)
+        self.walk = Walk(world.machine, world.gait, world.stance, self._thinker(world), Gains(), layout=layout, crab_angle=course)
         self.command = HOLD
         self.route = RouteState()
         self._mailbox = (HOLD, None)
@@ -304,6 +318,12 @@ class Console:
     def _serve(self, request: Request) -> None:
         if isinstance(request, Edit):
             self._edit(request)  # raises before anything has changed
+        elif isinstance(request, Pose):
+            self._pose(request)
+        elif isinstance(request, Halt):
+            if not self.walk.posing:
+                return
+            self.walk.halt()
         if self.on_input is not None:
             self.on_input(self.tick_count, request)
         if isinstance(request, Reset):
@@ -312,6 +332,14 @@ class Console:
             self._set_up(request.world)
         elif isinstance(request, Push):
             self.plant.push(request.fx, request.fy, request.ticks)
+
+    def _pose(self, wanted: Pose) -> None:
+        """Refused with a reason, or taken from the next standstill on; the command it walks by ends here."""
+        why = self.reason if self.plant.state != "standing" else self.walk.pose(wanted.posture)
+        if why:
+            raise ValueError(why)
+        if not self._mailbox[0].holds:
+            self._mailbox = (HOLD, None)
 
     def _edit(self, edit: Edit) -> None:
         heights = edited(self.ground.heights, edit)
@@ -438,6 +466,7 @@ class Console:
             late=late,
             course=brain.course_of(walk.think, walk.stance, running, (x, y, z, yaw), world.machine.yaw_length),
             ahead=self._ahead(running),
+            posture=walk.posture,
             decision=walk.blocked.decision if walk.blocked is not None else walk.plan.decision if walk.kind != "stand" else None,
         )
 

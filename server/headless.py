@@ -16,9 +16,9 @@ from planner.machine import as_data, machine_from, shown
 from planner.trace.plan import ARRIVED
 from planner.vocabulary import Command
 from planner.walk import DT
-from sim.scenarios import Scenario, scenario_from
+from sim.scenarios import Drive, Scenario, scenario_from
 
-from .console import Console, World, prepare
+from .console import Console, Halt, Pose, World, prepare
 from .measured import measured
 from .recording import MODES, SCHEMA, Recorder, input_from
 
@@ -40,11 +40,18 @@ class RunError(ValueError):
     """A run directory that cannot be used; the message is one clear line."""
 
 
-def timeline(scenario: Scenario) -> list[tuple[int, Command]]:
-    """The drive entries as (tick, command), in order; a given trace is one command at its speed; with neither, hold."""
+def timeline(scenario: Scenario) -> list[tuple[int, Command, Pose | Halt | None]]:
+    """The drive entries as (tick, command, request), in order; a given trace is one command at its speed; with neither, hold."""
     if scenario.trace is not None:
-        return [(0, Command(0.0, scenario.trace.speed))]
-    return [(round(entry.t / DT), entry.command()) for entry in scenario.drive]
+        return [(0, Command(0.0, scenario.trace.speed), None)]
+    return [(round(entry.t / DT), entry.command(), _request(entry)) for entry in scenario.drive]
+
+
+def _request(entry: Drive) -> Pose | Halt | None:
+    """What an entry asks for beside its command: a posture, or, where it is to hold, that none goes on being taken."""
+    if entry.posture is not None:
+        return Pose(entry.posture)
+    return Halt() if entry.command().holds else None
 
 
 def run(
@@ -76,7 +83,10 @@ def _walk_to_end(console: Console, recorder: Recorder, scenario: Scenario, progr
     tick, note, plant = console.tick, recorder.note, console.plant
     for index in range(ticks_max):
         while next_order < len(orders) and orders[next_order][0] <= index:
-            console.order(orders[next_order][1])
+            _, command, request = orders[next_order]
+            console.order(command)
+            if request is not None:
+                console.request(request)
             next_order += 1
         tick()
         note()

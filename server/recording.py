@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 
 from planner.crab.measures import off_standard
-from planner.vocabulary import Command, Mode, StepPlan
+from planner.vocabulary import POSTURES, Command, Mode, StepPlan
 from planner.walk import DT
 
-from .console import Console, Edit, Load, Push, Reset
+from .console import Console, Edit, Halt, Load, Pose, Push, Reset
 
 SCHEMA = 1
 MODES = {mode.name.lower(): int(mode) for mode in Mode}
@@ -175,6 +175,10 @@ def input_record(given: object) -> dict[str, Any]:
         return {"input": "edit", "action": given.action, "cells": [list(cell) for cell in given.cells], "amount": given.amount}
     if isinstance(given, Push):
         return {"input": "push", **asdict(given)}
+    if isinstance(given, Pose):
+        return {"input": "pose", **asdict(given)}
+    if isinstance(given, Halt):
+        return {"input": "halt"}
     if isinstance(given, Reset):
         return {"input": "reset"}
     if isinstance(given, Load):
@@ -182,7 +186,7 @@ def input_record(given: object) -> dict[str, Any]:
     raise TypeError(f"unknown input {given!r}")
 
 
-def input_from(record: dict[str, Any]) -> Command | Edit | Push | Reset:
+def input_from(record: dict[str, Any]) -> Command | Edit | Push | Pose | Halt | Reset:
     """The inverse of ``input_record``; raises ``ValueError`` for what a replay cannot feed."""
     kind = record.get("input")
     if kind == "command":
@@ -191,9 +195,15 @@ def input_from(record: dict[str, Any]) -> Command | Edit | Push | Reset:
         return Edit(record["action"], tuple((_index(row), _index(column)) for row, column in record["cells"]), _finite(record["amount"]))
     if kind == "push":
         return Push(_finite(record["fx"]), _finite(record["fy"]), int(record["ticks"]))
+    if kind == "pose":
+        if record["posture"] not in POSTURES:
+            raise ValueError(f"unknown posture {record['posture']!r:.80}; there are: {', '.join(POSTURES)}")
+        return Pose(record["posture"])
+    if kind == "halt":
+        return Halt()
     if kind == "reset":
         return Reset()
-    raise ValueError(f"unknown input {kind!r}; there are: command, edit, push, reset")
+    raise ValueError(f"unknown input {kind!r}; there are: command, edit, push, pose, halt, reset")
 
 
 def _finite(value: Any) -> float:

@@ -73,6 +73,13 @@ class Drive(_Table):
     crab_angle_deg: Degrees = 0.0
     speed: float = Field(default=0.0, ge=0.0, le=10.0)  # m/s
     turn_rate_deg_s: float = Field(default=0.0, ge=-360.0, le=360.0)
+    posture: Literal["sit", "stand", "standard"] | None = None  # taken from a standstill; standard: that of the last course
+
+    @model_validator(mode="after")
+    def _poses_at_rest(self) -> Drive:
+        if self.posture is not None and (self.speed or self.turn_rate_deg_s):
+            raise ValueError(f'posture = "{self.posture}" needs speed = 0 and turn_rate_deg_s = 0: the machine takes it from a standstill')
+        return self
 
     def command(self) -> Command:
         """The same in radians."""
