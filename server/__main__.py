@@ -40,6 +40,7 @@ Scenario = Annotated[str, typer.Option(help="A scenario's name or a scenario TOM
 NoOpen = Annotated[bool, typer.Option("--no-open", help="Do not open the page in a browser.")]
 Token = Annotated[str | None, typer.Option(help="Secret every client must present; required when not on loopback.")]
 Data = Annotated[Path, typer.Option(help="Where runs are kept.")]
+SitAfter = Annotated[float, typer.Option(min=0.0, help="Seconds of silence from a pressed stick after which it sits down; 0: never.")]
 Directory = Annotated[Path, typer.Argument(help="A run directory.")]
 SERVED_FIRST = "dem"
 
@@ -72,10 +73,11 @@ def main_command(
     no_open: NoOpen = False,
     token: Token = None,
     data: Data = Path("walking-console-data"),
+    sit_after: SitAfter = 10.0,
 ) -> None:
     """Start the console (the same as ``serve``), or run one of the commands below."""
     if context.invoked_subcommand is None:
-        serve(host, port, robot, scenario, no_open, token, data)
+        serve(host, port, robot, scenario, no_open, token, data, sit_after)
 
 
 @app.command()
@@ -87,6 +89,7 @@ def serve(
     no_open: NoOpen = False,
     token: Token = None,
     data: Data = Path("walking-console-data"),
+    sit_after: SitAfter = 10.0,
 ) -> None:
     """Start the console and print its one URL."""
     from .serve import ServeError
@@ -94,7 +97,9 @@ def serve(
 
     with one_clear_line():
         try:
-            serve_console(host=host, port=port, robot=robot, scenario=scenario, open_page=not no_open, token=token, data=data)
+            serve_console(
+                host=host, port=port, robot=robot, scenario=scenario, open_page=not no_open, token=token, data=data, sit_after=sit_after
+            )
         except ServeError as error:
             refuse(str(error))
 

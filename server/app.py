@@ -54,7 +54,7 @@ from .messages import (
     read_frame,
     snapshot_frame,
 )
-from .operator import DEAD_MAN, Operator, Seat, TooFast
+from .operator import DEAD_MAN, SIT_AFTER, Operator, Seat, TooFast
 from .runs import FILES, RunRefused, Runs
 
 FRAME_MAX = 4096  # bytes of one frame on /drive
@@ -83,9 +83,9 @@ DESCRIPTION = """
 Drive a simulated walking machine. SI units, with the unit in every key; strict: NaN, infinities, booleans, numeric strings,
 unknown keys and out-of-range values are refused with `application/problem+json`, nothing is clamped.
 
-`WS /drive` carries JSON text frames both ways: `DriveFrame`, `TakeFrame`, `ReleaseFrame`, `StopFrame`, `RearmFrame` up;
+`WS /drive` carries JSON text frames both ways: `DriveFrame`, `PostureFrame`, `TakeFrame`, `ReleaseFrame`, `StopFrame`, `RearmFrame` up;
 `HelloFrame`, `LeaseFrame`, `RefusedFrame`, `SnapshotFrame` down (see Schemas). A held stick is repeated 20 to 30 times a
-second; without a fresh frame the machine holds after 0.5 s.
+second; without a fresh frame the machine holds after 0.5 s and sits down after 10 s.
 """
 
 
@@ -97,6 +97,7 @@ class Settings:
     hosts: tuple[str, ...] = ()
     addresses: bool = False  # any IP address may be the Host: for a console that listens beyond loopback
     token: str | None = None
+    sit_after: float = SIT_AFTER  # s; 0: never
     page: Path = field(default_factory=lambda: Path(str(resources.files("web"))))
 
 
@@ -135,7 +136,7 @@ class Desk:
 
     def __init__(self, clock: WalkingClock, settings: Settings, canvas: Canvas | None) -> None:
         self.clock, self.settings, self.canvas = clock, settings, canvas
-        self.operator = Operator(clock)
+        self.operator = Operator(clock, settings.sit_after)
         self.runs = Runs(settings.data)
         self.pulse: Pulse | None = None
         self.drivers: set[str] = set()
@@ -353,6 +354,14 @@ def _add_console(app: FastAPI, desk: Desk) -> None:
         if why:
             raise Refusal(409, why)
         return {"tick": clock.newest.tick, "ttl_s": body.ttl_s}
+
+    @app.post("/api/v1/console/posture", tags=tags, status_code=202)
+    async def posture(body: messages.PostureBody) -> dict[str, Any]:
+        """Stop, then sit down, stand up, or take the standard posture. Refused (409) while a page drives, after a stop, or fallen."""
+        why = operator.pose(body.posture)
+        if why:
+            raise Refusal(409, why)
+        return {"tick": clock.newest.tick, "posture": body.posture}
 
     @app.post("/api/v1/console/stop", tags=tags)
     async def stop() -> dict[str, Any]:

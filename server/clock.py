@@ -24,7 +24,7 @@ from planner.vocabulary import Command
 from planner.walk import DT
 from sim.snapshot import Snapshot
 
-from .console import Console, Load, Request, Reset, World
+from .console import Console, Halt, Load, Pose, Request, Reset, World
 
 HOLD = Command()
 RATE_MAX = 8  # times real time; more starves the pages on two cores
@@ -61,6 +61,12 @@ class Order(NamedTuple):
     deadline: float  # s, monotonic
 
 
+class Deadline(NamedTuple):
+    """When the machine is to sit down unless somebody is heard again; a new one replaces the old."""
+
+    at: float  # s, monotonic
+
+
 class WalkingClock:
     """Walks a console in its own thread. ``order``, ``request`` and the switches may be used from any thread."""
 
@@ -79,6 +85,7 @@ class WalkingClock:
         self._order: Order | None = None
         self._taken: Order | None = None  # the last one a beat has seen: the mailbox itself is only ever overwritten
         self._deadline = math.inf
+        self._sits = self._sat = Deadline(math.inf)  # the newest, and the last one a beat has acted on
         self._advances: deque[int] = deque()
         self._owed = 0
         self._late: deque[float] = deque([0.0], maxlen=round(1 / DT))
@@ -110,7 +117,7 @@ class WalkingClock:
     def hold_for_good(self) -> None:
         """The end is near: hold, and take no other order."""
         self._ending = True
-        self.order(HOLD)
+        self.halt()
 
     @property
     def running(self) -> bool:
@@ -129,6 +136,21 @@ class WalkingClock:
         if self._ending and not command.holds:
             return
         self._order = Order(command, ttl, self.now() + ttl)
+
+    def halt(self) -> None:
+        """Hold, and stop in any posture that is being taken."""
+        self.order(HOLD)
+        self.request(Halt())
+
+    def pose(self, posture: str) -> None:
+        """Hold, and then take a posture."""
+        if not self._ending:
+            self.order(HOLD)
+            self.request(Pose(posture))
+
+    def sit_down_at(self, at: float) -> None:
+        """Sit down at this time of ``now`` unless another is given before; ``inf``: do not."""
+        self._sits = Deadline(at)
 
     def request(self, request: Request) -> None:
         """Leave a request for the next tick."""
@@ -218,6 +240,7 @@ class WalkingClock:
         """One beat: the order, the ticks it is time for, one snapshot. A tick that fails is held here, and said."""
         now = self.now()
         self._take_order(now)
+        self._sit_down(now)
         ticks = self._ticks_due()
         try:
             if not self.fault:
@@ -245,6 +268,13 @@ class WalkingClock:
         if now > self._deadline and not self._paused:  # ticks may have stood still: the dead-man counts wall time
             self.console.order(HOLD)
             self._deadline = math.inf
+
+    def _sit_down(self, now: float) -> None:
+        """The operator has been silent for too long: standing for ever costs more than sitting."""
+        sits = self._sits
+        if now > sits.at and sits is not self._sat and not self._paused:
+            self._sat = sits
+            self.pose("sit")
 
     def _ticks_due(self) -> int:
         while self._advances:

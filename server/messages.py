@@ -65,6 +65,13 @@ class CommandBody(Shape):
         return Command(self.crab_angle_rad, self.speed_m_s, self.turn_rate_rad_s)
 
 
+class PostureBody(Shape):
+    """Sit down, stand up, or go back into the standard layout of the last course. The machine stops first."""
+
+    model_config = example(posture="sit")
+    posture: Literal["sit", "stand", "standard"]
+
+
 class AdvanceBody(Shape):
     """Walk this many ticks of 20 ms while paused."""
 
@@ -189,13 +196,24 @@ class RearmFrame(Shape):
     type: Literal["rearm"]
 
 
-Frame = DriveFrame | TakeFrame | ReleaseFrame | StopFrame | RearmFrame
+class PostureFrame(Shape):
+    """Take a posture: by the holder, or by anybody while the lease is free. It ends the command the machine walks by."""
+
+    model_config = example(type="posture", seq=18, echo_tick=4230, posture="sit")
+    type: Literal["posture"]
+    seq: Annotated[int, Field(ge=0, le=SEQUENCE_MAX)]
+    echo_tick: Annotated[int, Field(ge=0, le=SEQUENCE_MAX, description="the newest tick this page has seen")]
+    posture: Literal["sit", "stand", "standard"]
+
+
+Frame = DriveFrame | TakeFrame | ReleaseFrame | StopFrame | RearmFrame | PostureFrame
 FRAMES: dict[str, type[Frame]] = {
     "drive": DriveFrame,
     "take": TakeFrame,
     "release": ReleaseFrame,
     "stop": StopFrame,
     "rearm": RearmFrame,
+    "posture": PostureFrame,
 }
 
 
@@ -258,8 +276,9 @@ class SnapshotFrame(BaseModel):
         json_schema_extra={
             "examples": [
                 {
-                    "type": "snapshot", "tick": 4211, "time_s": 84.22, "mode": "return", "reason": "", "scenario": "dem", "robot": "titan3",
-                    "planner": "crab", "planner_mode": "paper", "body": [1.2, 0.0, 0.85, 0.0, 0.0, 0.0],
+                    "type": "snapshot", "tick": 4211, "time_s": 84.22, "mode": "return", "posture": "stand", "reason": "",
+                    "scenario": "dem", "robot": "titan3", "planner": "crab", "planner_mode": "paper",
+                    "body": [1.2, 0.0, 0.85, 0.0, 0.0, 0.0],
                     "feet": [[1.7, 0.5, 0.0], [0.8, 0.5, 0.0], [0.8, -0.5, 0.0], [1.7, -0.5, 0.05]], "contact": [True, True, True, False],
                     "support": [True, True, True, False], "crab_angle_rad": 0.0, "speed_m_s": 0.1, "walked_m_s": 0.1, "speed_max_m_s": 0.15,
                     "turn_rate_rad_s": 0.0, "margin_m": 0.05, "polygon_margin_m": 0.04, "energy_margin_m": 0.02, "step": 12, "swing": [4],
@@ -273,6 +292,7 @@ class SnapshotFrame(BaseModel):
     tick: int
     time_s: float
     mode: str
+    posture: str = Field(description="in it, or being taken to it: stand, sit or standard")
     reason: str
     scenario: str
     robot: str
@@ -428,6 +448,7 @@ def snapshot_frame(snapshot: Snapshot, *, stopped: bool, fault: str = "") -> dic
         "tick": snapshot.tick,
         "time_s": round(snapshot.time, DECIMALS),
         "mode": snapshot.mode.name.lower(),
+        "posture": snapshot.posture,
         "reason": snapshot.reason,
         "scenario": snapshot.scenario,
         "robot": snapshot.machine.name,

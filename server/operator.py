@@ -2,21 +2,24 @@
 
 A held stick is a command that is repeated: it lapses ``DEAD_MAN`` s of wall time after the last fresh one, and a frame is
 fresh only while the picture its sender has seen (``echo_tick``) is: after a black-out TCP delivers every old frame at once.
+When a pressed stick has gone silent for ``SIT_AFTER`` s, its socket still open or not, the machine sits down where it stands.
 A machine that held because its operator was lost moves again only after the stick has been seen at rest.
 Only the web loop touches an ``Operator``; what it decides goes to the clock's mailbox.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
-from planner.vocabulary import Command
+from planner.vocabulary import Command, Mode
 from planner.walk import DT
 
 from .clock import HOLD, WalkingClock
-from .messages import DriveFrame, Frame, ReleaseFrame, StopFrame, TakeFrame
+from .messages import DriveFrame, Frame, PostureFrame, ReleaseFrame, StopFrame, TakeFrame
 
 DEAD_MAN = 0.5  # s: shorter stops on every hiccup of a wireless link, longer walks on blindly
+SIT_AFTER = 10.0  # s without a fresh frame from a pressed stick after which the machine sits down; shorter: see it sit on every bad link
 LEASE_IDLE = 15.0  # s without a frame after which the lease is free
 FRAMES_PER_SECOND = 100.0
 FRAME_BURST = 50.0
@@ -59,8 +62,9 @@ class Seat:
 class Operator:
     """The lease, the stop, and the way every command takes to the clock. Methods answer why not, or '' when it was done."""
 
-    def __init__(self, clock: WalkingClock) -> None:
+    def __init__(self, clock: WalkingClock, sit_after: float = SIT_AFTER) -> None:
         self._clock, self._now = clock, clock.now
+        self._sit_after = sit_after if sit_after > 0.0 else math.inf
         self._holder: Seat | None = None
         self._rest_until = 0.0
         self.stopped = False
@@ -77,8 +81,9 @@ class Operator:
         seat.count(self._now())
 
     def leave(self, seat: Seat) -> None:
-        """A socket closed: if it drove, the machine holds at once."""
+        """A socket closed: if it drove, the machine holds at once; if its stick was pressed, it sits down later."""
         if self._holder is seat:
+            self._clock.halt()
             self._let_go()
 
     @property
@@ -104,6 +109,8 @@ class Operator:
             why = self._release(seat)
         elif isinstance(frame, StopFrame):
             why = self.stop()
+        elif isinstance(frame, PostureFrame):
+            why = self._pose(seat, frame)
         else:
             why = self._rearm(seat)
         self.refusals += bool(why)
@@ -112,21 +119,59 @@ class Operator:
     def _drive(self, seat: Seat, frame: DriveFrame) -> str:
         now = self._now()
         command = frame.command()
-        if frame.seq <= seat.sequence:
-            return f"out of order: {frame.seq} after {seat.sequence}"
-        seat.sequence = frame.seq
-        age = self._clock.age_of(frame.echo_tick)
-        if age is None:
-            return f"echo_tick {frame.echo_tick} has not been shown yet"
+        age = self._age(seat, frame)
+        if isinstance(age, str):
+            return age
         if seat.moving and now - seat.driven > DEAD_MAN:
             seat.moving, seat.must_centre = False, True
         if age > DEAD_MAN:
             seat.must_centre, seat.moving = seat.must_centre or seat.moving, False
-            return f"stale: the picture of tick {frame.echo_tick} is {min(age, 999.0):.1f} s old"
+            return _stale(frame.echo_tick, age)
         seat.centred = command.holds
         if command.holds:
             seat.must_centre = False
+        if self._holder is seat:
+            self._expect(command, now)
         return self._blocked_by(seat) or self._obey(seat, command, now, age)
+
+    def _age(self, seat: Seat, frame: DriveFrame | PostureFrame) -> float | str:
+        """How old the picture is that a frame answers, s; or why the frame is none of this moment."""
+        if frame.seq <= seat.sequence:
+            return f"out of order: {frame.seq} after {seat.sequence}"
+        seat.sequence = frame.seq
+        age = self._clock.age_of(frame.echo_tick)
+        return f"echo_tick {frame.echo_tick} has not been shown yet" if age is None else age
+
+    def _expect(self, command: Command, now: float) -> None:
+        """A fresh frame: while its stick is pressed the next one is due before the machine sits down."""
+        self._clock.sit_down_at(math.inf if command.holds else now + self._sit_after)
+
+    def _pose(self, seat: Seat, frame: PostureFrame) -> str:
+        """By the holder, or whoever finds the lease free. A stick still pressed moves nothing before it has been let go."""
+        age = self._age(seat, frame)
+        if isinstance(age, str):
+            return age
+        if age > DEAD_MAN:
+            return _stale(frame.echo_tick, age)
+        holder = self.holder
+        if holder is not None and self._holder is not seat:
+            return f"{holder} is driving"
+        why = STOPPED if self.stopped else self._cannot_pose()
+        if not why:
+            if self._holder is not seat:
+                self._holder = seat
+                self.revision += 1
+            seat.must_centre, seat.moving = not seat.centred, False
+            self._take_posture(frame.posture)
+        return why
+
+    def _cannot_pose(self) -> str:
+        newest = self._clock.newest
+        return newest.reason if newest.mode in (Mode.TIPPING, Mode.FALLEN) else ""
+
+    def _take_posture(self, posture: str) -> None:
+        self._clock.sit_down_at(math.inf)
+        self._clock.pose(posture)
 
     def _blocked_by(self, seat: Seat) -> str:
         holder = self.holder
@@ -140,12 +185,14 @@ class Operator:
         if self._holder is not seat:
             self._holder = seat
             self.revision += 1
+            self._expect(command, now)
         seat.driven, seat.moving = now, not command.holds
         self._clock.order(command, max(DT, DEAD_MAN - age))  # so a frozen picture holds at the dead-man, not at twice that
         return ""
 
     def _take(self, seat: Seat) -> str:
         if self._holder is not seat:
+            self._quieten()
             self._let_go()
             self._holder = seat
             seat.moving, seat.must_centre = False, not seat.centred
@@ -154,8 +201,14 @@ class Operator:
     def _release(self, seat: Seat) -> str:
         seat.centred, seat.must_centre, seat.moving = True, False, False
         if self._holder is seat:
+            self._quieten()
             self._let_go()
         return ""
+
+    def _quieten(self) -> None:
+        """Somebody is there: the machine holds, in whatever posture, and does not sit down by itself."""
+        self._clock.sit_down_at(math.inf)
+        self._clock.halt()
 
     def _let_go(self) -> None:
         """The machine holds; the lease is free, and a stick left pressed moves nothing later."""
@@ -167,7 +220,7 @@ class Operator:
 
     def stop(self) -> str:
         """Anybody; the machine holds from the next tick on, until ``rearm``."""
-        self._clock.order(HOLD)
+        self._quieten()
         if not self.stopped:
             self.stopped = True
             self.revision += 1
@@ -200,7 +253,22 @@ class Operator:
         else:
             why = ""
             self._rest_until = 0.0 if command.holds else now + ttl
+            self._clock.sit_down_at(math.inf)
+            if command.holds:
+                self._clock.halt()
             self._clock.order(command, ttl)
+        self.refusals += bool(why)
+        return why
+
+    def pose(self, posture: str) -> str:
+        """By REST: while no socket drives; it ends a command that REST has given."""
+        if self.holder is not None and self._holder is not None:
+            why = f"{self._holder.name} is driving"
+        else:
+            why = "stopped: rearm first" if self.stopped else self._cannot_pose()
+        if not why:
+            self._rest_until = 0.0
+            self._take_posture(posture)
         self.refusals += bool(why)
         return why
 
@@ -209,6 +277,10 @@ class Operator:
         if self._holder is not None:
             self._holder.must_centre, self._holder.moving = not self._holder.centred, False
         self._rest_until = 0.0
+        self._clock.sit_down_at(math.inf)
         self._clock.order(HOLD)
 
+
+def _stale(tick: int, age: float) -> str:
+    return f"stale: the picture of tick {tick} is {min(age, 999.0):.1f} s old"
 

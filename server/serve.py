@@ -33,6 +33,7 @@ from .clock import Drawing, WalkingClock, go_first
 from .console import Console, prepare
 from .door import LOOPBACK, is_address
 from .messages import painted
+from .operator import SIT_AFTER
 
 TOKEN_MIN = 32  # characters: 192 bits as secrets.token_urlsafe writes them
 TOKEN = re.compile(rf"[A-Za-z0-9._~-]{{{TOKEN_MIN},256}}")
@@ -152,6 +153,7 @@ def serve(
     open_page: bool = True,
     token: str | None = None,
     data: Path = Path("walking-console-data"),
+    sit_after: float = SIT_AFTER,
 ) -> None:
     """Serve the console until a signal ends it; raises ``ServeError``, or what a bad scenario or robot raises."""
     check_token(host, token)
@@ -166,7 +168,7 @@ def serve(
     drawing = Drawing(clock, _scene(canvas, clock), lambda: canvas.watched)
     own = () if host in LOOPBACK or is_address(host) else (host,)
     hosts = own if is_loopback(host) else (*own, socket.gethostname())
-    app = create_app(clock, Settings(Path(data), hosts, not is_loopback(host), token), canvas)
+    app = create_app(clock, Settings(Path(data), hosts, not is_loopback(host), token, sit_after), canvas)
     config = uvicorn.Config(
         app,
         loop="asyncio",

@@ -11,6 +11,7 @@ from fastapi.testclient import TestClient
 from server import messages
 from server.app import Settings, create_app
 from server.clock import WalkingClock
+from server.console import Push
 from server.door import BODY_MAX
 
 HERE = "http://127.0.0.1:8000"
@@ -54,6 +55,46 @@ def test_a_command_moves_the_machine_until_it_lapses(client: TestClient, clock: 
     for _ in range(25):
         clock.beat()
     assert client.get("/api/v1/console").json()["speed_m_s"] == 0.0
+
+
+def test_a_posture_is_taken_from_a_standstill_and_shown(client: TestClient, clock: WalkingClock) -> None:
+    client.put("/api/v1/console/command", json=COMMAND)
+    clock.beat()
+    answer = client.post("/api/v1/console/posture", json={"posture": "sit"})
+    assert answer.status_code == 202 and answer.json()["posture"] == "sit"
+    seen = set()
+    for _ in range(150):
+        clock.beat()
+        seen.add(client.get("/api/v1/console").json()["mode"])
+    assert "sit_down" in seen
+    snapshot = client.get("/api/v1/console").json()
+    assert (snapshot["mode"], snapshot["posture"], snapshot["speed_m_s"]) == ("sit", "sit", 0.0)
+    assert client.post("/api/v1/console/posture", json={"posture": "standard"}).status_code == 202
+    for _ in range(600):
+        clock.beat()
+    snapshot = client.get("/api/v1/console").json()
+    assert (snapshot["mode"], snapshot["posture"]) == ("stand", "standard")
+
+
+NOT_POSTURES = [{}, {"posture": "lie"}, {"posture": 1}, {"posture": None}, {"posture": "sit", "speed": 1.0}, {"posture": ["sit"]}]
+
+
+@pytest.mark.parametrize("body", NOT_POSTURES)
+def test_a_posture_that_is_none_is_refused_by_name(client: TestClient, body: dict[str, Any]) -> None:
+    told = problem_of(client.post("/api/v1/console/posture", json=body), 422)
+    assert told["field"] == ("speed" if "speed" in body else "posture")
+
+
+def test_no_posture_through_a_stop(client: TestClient, clock: WalkingClock) -> None:
+    client.post("/api/v1/console/stop")
+    assert "stopped" in problem_of(client.post("/api/v1/console/posture", json={"posture": "sit"}), 409)["detail"]
+
+
+def test_a_machine_that_has_fallen_takes_no_posture(client: TestClient, clock: WalkingClock) -> None:
+    clock.request(Push(0.0, 3000.0, 60))
+    for _ in range(200):
+        clock.beat()
+    assert "fallen" in problem_of(client.post("/api/v1/console/posture", json={"posture": "stand"}), 409)["detail"]
 
 
 def test_a_stop_stays_until_it_is_ended(client: TestClient, clock: WalkingClock) -> None:

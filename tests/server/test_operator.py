@@ -1,14 +1,15 @@
 """Who may drive: one lease, a stop for everybody, a dead-man, and no old command after a black-out."""
 
 import random
+from typing import Literal
 
 import pytest
 from stopwatch import Watch
 
-from planner.vocabulary import Command
+from planner.vocabulary import Command, Mode
 from server.clock import WalkingClock
-from server.messages import DriveFrame, RearmFrame, ReleaseFrame, StopFrame, TakeFrame
-from server.operator import CENTRE_FIRST, DEAD_MAN, LEASE_IDLE, STOPPED, TAKE_FIRST, Operator, Seat, TooFast
+from server.messages import DriveFrame, PostureFrame, RearmFrame, ReleaseFrame, StopFrame, TakeFrame
+from server.operator import CENTRE_FIRST, DEAD_MAN, LEASE_IDLE, SIT_AFTER, STOPPED, TAKE_FIRST, Operator, Seat, TooFast
 
 TAKE, RELEASE = TakeFrame(type="take"), ReleaseFrame(type="release")
 STOP, REARM = StopFrame(type="stop"), RearmFrame(type="rearm")
@@ -26,6 +27,16 @@ class Stage:
         self.operator.count(seat)
         frame = DriveFrame(seq=seq, echo_tick=echo, crab_angle_rad=0.0, speed_m_s=speed, turn_rate_rad_s=0.0)
         return self.operator.hear(seat, frame)
+
+    def ask(self, seat: Seat, posture: Literal["sit", "stand", "standard"], echo: int | None = None, seq: int | None = None) -> str:
+        echo = self.clock.newest.tick if echo is None else echo
+        seq = seat.sequence + 1 if seq is None else seq
+        self.operator.count(seat)
+        return self.operator.hear(seat, PostureFrame(type="posture", seq=seq, echo_tick=echo, posture=posture))
+
+    @property
+    def mode(self) -> Mode:
+        return self.clock.newest.mode
 
     def walk(self, seconds: float = 0.02) -> Command:
         """Let so much time go by, beat by beat; answers what is commanded then."""
@@ -231,6 +242,144 @@ def test_a_flood_is_cut_after_its_burst_and_a_stick_at_30_a_second_never_is(stag
     with pytest.raises(TooFast):
         for _ in range(60):
             stage.operator.count(wild)
+
+
+def test_a_stall_for_ever_holds_at_the_dead_man_sits_down_after_ten_seconds_and_frees_the_lease_after_fifteen(stage: Stage) -> None:
+    seat = stage.operator.sit("a")
+    stage.press(seat)
+    assert not stage.walk(DEAD_MAN - 0.02).holds
+    assert stage.walk(0.04).holds
+    stage.walk(SIT_AFTER - DEAD_MAN - 0.1)
+    assert stage.mode is Mode.STAND
+    stage.walk(0.2)
+    assert stage.mode is Mode.SIT_DOWN
+    stage.walk(2.0)
+    assert stage.mode is Mode.SIT and stage.operator.holder == "a"
+    stage.walk(LEASE_IDLE - SIT_AFTER - 2.0)
+    assert stage.operator.holder is None
+    stage.walk(60.0)
+    assert stage.mode is Mode.SIT
+
+
+def test_a_stick_at_rest_on_a_live_link_is_never_sat_down_however_long_it_is_silent(stage: Stage) -> None:
+    seat = stage.operator.sit("a")
+    stage.press(seat)
+    stage.walk(0.2)
+    stage.press(seat, speed=0.0)
+    stage.walk(SIT_AFTER + 20.0)
+    assert stage.mode is Mode.STAND
+
+
+def test_a_stick_held_against_a_refusal_is_a_live_link(stage: Stage) -> None:
+    seat = stage.operator.sit("a")
+    stage.press(seat)
+    stage.walk(1.0)
+    for _ in range(300):
+        assert stage.press(seat) == CENTRE_FIRST
+        stage.walk(0.04)
+    assert stage.mode is Mode.STAND
+
+
+def test_an_operator_who_is_cut_off_with_the_stick_pressed_is_waited_for_and_then_the_machine_sits_down(stage: Stage) -> None:
+    seat = stage.operator.sit("a")
+    stage.press(seat)
+    stage.walk(0.3)
+    stage.operator.leave(seat)
+    stage.walk(SIT_AFTER - 0.5)
+    assert stage.mode is Mode.STAND
+    stage.walk(2.5)
+    assert stage.mode is Mode.SIT
+
+
+@pytest.mark.parametrize("somebody", ("press", "take", "stop", "rest", "release", "pose"))
+def test_whoever_is_heard_before_keeps_the_machine_on_its_feet(stage: Stage, somebody: str) -> None:
+    seat, other = stage.operator.sit("a"), stage.operator.sit("b")
+    stage.press(seat)
+    stage.walk(0.3)
+    stage.operator.leave(seat) if somebody in ("rest", "press", "pose") else None
+    stage.walk(5.0)
+    if somebody == "press":
+        stage.press(other, speed=0.0)
+    elif somebody == "pose":
+        assert stage.ask(other, "stand") == ""
+    elif somebody == "rest":
+        assert stage.operator.command(Command(), 0.5) == ""
+    else:
+        stage.operator.hear(seat if somebody == "release" else other, {"take": TAKE, "stop": STOP, "release": RELEASE}[somebody])
+    stage.walk(SIT_AFTER + 5.0)
+    assert stage.mode is Mode.STAND
+
+
+@pytest.mark.parametrize(("sit_after", "sits"), [(0.0, False), (2.0, True)])
+def test_when_it_sits_down_is_a_setting_and_nought_is_never(stage: Stage, sit_after: float, sits: bool) -> None:
+    stage.operator = Operator(stage.clock, sit_after)
+    stage.press(stage.operator.sit("a"))
+    stage.walk(4.0)
+    assert (stage.mode is Mode.SIT) == sits
+    stage.walk(15.0)
+    assert (stage.mode is Mode.SIT) == sits
+
+
+def test_a_paused_machine_waits_with_sitting_down(stage: Stage) -> None:
+    stage.press(stage.operator.sit("a"))
+    stage.walk(1.0)
+    stage.clock.pause()
+    stage.walk(SIT_AFTER + 5.0)
+    assert stage.mode is Mode.STAND
+    stage.clock.resume()
+    stage.walk(2.0)
+    assert stage.mode is Mode.SIT
+
+
+def test_the_holder_takes_a_posture_and_a_pressed_stick_must_be_let_go_first(stage: Stage) -> None:
+    seat, other = stage.operator.sit("a"), stage.operator.sit("b")
+    stage.press(seat)
+    stage.walk(1.0 - DEAD_MAN)
+    assert stage.ask(other, "sit") == "a is driving"
+    assert stage.ask(seat, "sit") == ""
+    assert stage.press(seat) == CENTRE_FIRST
+    stage.walk(4.0)
+    assert stage.mode is Mode.SIT
+    stage.press(seat, speed=0.0)
+    assert stage.mode is Mode.SIT, "a stick at rest is no order to stop sitting"
+    stage.press(seat)
+    stage.walk(0.1)
+    assert stage.mode is Mode.STAND_UP
+
+
+@pytest.mark.parametrize("ended_by", ("stop", "release", "close", "take", "rest hold"))
+def test_a_posture_being_taken_stops_at_once_with_the_operator(stage: Stage, ended_by: str) -> None:
+    seat, other = stage.operator.sit("a"), stage.operator.sit("b")
+    if ended_by == "rest hold":
+        assert stage.operator.pose("sit") == ""
+    else:
+        assert stage.ask(seat, "sit") == ""
+    stage.walk(0.5)
+    assert stage.mode is Mode.SIT_DOWN
+    if ended_by == "close":
+        stage.operator.leave(seat)
+    elif ended_by == "rest hold":
+        assert stage.operator.command(Command(), 0.5) == ""
+    else:
+        stage.operator.hear(seat if ended_by == "release" else other, {"stop": STOP, "release": RELEASE, "take": TAKE}[ended_by])
+    height = stage.clock.newest.body[2]
+    stage.walk(0.02)
+    assert stage.clock.newest.body[2] == pytest.approx(height, abs=1e-9)
+    stage.walk(2.0)
+    assert stage.clock.newest.body[2] == pytest.approx(height, abs=1e-9) and stage.mode is Mode.STAND
+
+
+def test_no_posture_is_taken_through_a_stop_or_by_an_old_frame(stage: Stage) -> None:
+    seat = stage.operator.sit("a")
+    stage.walk(2.0)
+    assert stage.ask(seat, "sit", echo=0).startswith("stale")
+    assert stage.ask(seat, "sit", seq=0).startswith("out of order")
+    assert "not been shown" in stage.ask(seat, "sit", echo=10_000)
+    stage.operator.hear(seat, STOP)
+    assert stage.ask(seat, "sit") == STOPPED
+    assert stage.operator.pose("sit").startswith("stopped")
+    stage.walk(1.0)
+    assert stage.mode is Mode.STAND
 
 
 @pytest.mark.parametrize("seed", range(20))
