@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from copy import copy
 from typing import NamedTuple
 
@@ -15,7 +15,7 @@ from ..vocabulary import Gait, Stance
 from .landing import Ground, Landing, ground_of
 from .plan import Ahead
 from .standard import IS_FRONT, OTHERS, Posture, Standard
-from .xy import Accepts, Shift, Step, after, changes_nothing, exits_of, leg_order, planned_margin, shift_of, steps_to
+from .xy import STANDING_LEG, Accepts, Shift, Step, after, changes_nothing, exits_of, leg_order, planned_margin, shift_of, steps_to
 
 SMALL = 0.003  # m, the least margin that is asked for; at 0 a millimetre of servo error is outside
 SPACING = 0.05  # m between footholds tried; finer maps are read in blocks of this size
@@ -123,7 +123,12 @@ def _first_footholds(
     count = 0
     for convergent in (True,) if IS_FRONT[shift.leg] else (True, False):
         for step in steps_to(field.standard, posture, exits, shift, field.ground, convergent):
-            if changes_nothing(posture, step) or (accepts is not None and accepts(shift, step.landing) is not None):
+            if changes_nothing(posture, step):
+                continue
+            refusal = accepts(shift, step.landing) if accepts is not None else None
+            if refusal is STANDING_LEG:
+                return
+            if refusal is not None:
                 continue
             yield step
             count += 1
@@ -154,11 +159,21 @@ def wide_steps(field: Field, state: State, short: bool = True) -> Iterator[Step]
             continue
         for shift in wide_shifts(field, posture, exits, leg, short):
             margin = planned_margin(standard, posture, shift)
-            landings = [p for p in footholds(field, posture, leg, shift.g) if accepts is None or accepts(shift, p) is None]
+            landings = list(accepted(shift, footholds(field, posture, leg, shift.g), accepts))
             for landing in thinned(landings, WIDE_MAX):
                 step = Step(leg, shift.g0, shift.g, (landing.x, landing.y), landing, margin, False)
                 if not changes_nothing(posture, step):
                     yield step
+
+
+def accepted(shift: Shift, landings: Iterable[Landing], accepts: Accepts | None) -> Iterator[Landing]:
+    """The footholds that heights allow."""
+    for landing in landings:
+        refusal = accepts(shift, landing) if accepts is not None else None
+        if refusal is STANDING_LEG:
+            return
+        if refusal is None:
+            yield landing
 
 
 def wide_shifts(field: Field, posture: Posture, exits: tuple[float, float, float, float], leg: int, short: bool) -> list[Shift]:

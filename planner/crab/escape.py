@@ -15,27 +15,28 @@ from ..machine import Machine
 from ..terrain import TerrainMap
 from ..vocabulary import Blocked, Gait, Stance
 from .choices import Field, State, near_steps
-from .predict import DEPTH, Ways, look_near, standard_way
+from .predict import DEPTH, Ways, best_of, look_near, standard_way
 from .standard import posture_of, standard_for
 from .xy import Notes, Step, decide
 
 CONE = (15.0, -15.0, 30.0, -30.0)  # degrees against the commanded course, in the order they are tried
 BACK_MAX = 4  # steps back that are tried
 WORTH = 0.1  # of the standard way: net way a step an escape must lead to; less is wandering
+STRAIN = 0.005  # m beyond the control reach that counts as stretched; less and servo errors do
 CELLS_TOLD = 8  # refused cells named when blocked
 
 
 class Escape(NamedTuple):
     """A way out: what it is, on which course, and by which steps, best first."""
 
-    kind: str  # back | cone
+    kind: str  # back | cone | stretch
     field: Field
     ways: Ways
 
 
-def field_of(stance: Stance, crab_angle: float, terrain: TerrainMap, machine: Machine, gait: Gait) -> Field:
-    """The walker on its ground, along one course."""
-    standard = standard_for(machine, gait, crab_angle, stance.quarter_turns)
+def field_of(stance: Stance, crab_angle: float, terrain: TerrainMap, machine: Machine, gait: Gait, stretched: bool = False) -> Field:
+    """The walker on its ground, along one course; ``stretched``: with legs that reach as far as their mechanism goes."""
+    standard = standard_for(machine, gait, crab_angle, stance.quarter_turns, stretched)
     return Field(standard, stance, posture_of(standard, stance), terrain, machine, gait)
 
 
@@ -50,7 +51,23 @@ def way_out(field: Field, stance: Stance, crab_angle: float) -> Generator[None, 
         need = WORTH * standard_way(field.standard) / math.cos(math.radians(degrees))
         if found.ways and found.ways[0].pace(DEPTH) >= need:
             return Escape("cone", aside, found.ways)
-    return None
+    return (yield from by_stretching(field, stance, crab_angle, WORTH * standard_way(field.standard)))
+
+
+def by_stretching(field: Field, stance: Stance, crab_angle: float, least: float) -> Generator[None, bool | None, Escape | None]:
+    """The commanded course with legs stretched to the mechanical limit, if that gains more than ``least`` m a step: wider gaps, slowly."""
+    far = field_of(stance, crab_angle, field.terrain, field.machine, field.gait, stretched=True)
+    found = yield from best_of(far)
+    return Escape("stretch", far, found.ways) if found.pace > least else None
+
+
+def is_strained(field: Field) -> bool:
+    """True in the middle of a stretched crossing: a foot stands beyond its control reach."""
+    feet, boxes = field.start.posture.feet, field.standard.boxes
+    return any(
+        not (x1 - STRAIN <= x <= x2 + STRAIN and y1 - STRAIN <= y <= y2 + STRAIN)
+        for (x, y), (x1, x2, y1, y2) in zip(feet, boxes, strict=True)
+    )
 
 
 def _by_a_step_back(field: Field, stance: Stance, crab_angle: float) -> Generator[None, bool | None, Escape | None]:

@@ -9,14 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from ..lookahead import in_one_go
+from ..lookahead import in_one_go, unhurried
 from ..machine import Machine
 from ..terrain import TerrainMap
 from ..vocabulary import Blocked, Command, Gait, Phase, Stance, StepPlan
 from .choices import ON_THE_SPOT, Field, Sway
-from .escape import blocked, field_of, way_out
+from .escape import blocked, by_stretching, field_of, is_strained, way_out
 from .plan import build, cruise_speed
-from .predict import STUCK, Choice, Chosen, Ways, choose, standard_way
+from .predict import GETS_ON, STUCK, Choice, Chosen, Ways, choose, standard_way
 from .turning import think_turn, turns
 from .xy import Notes, Step, decide
 
@@ -40,14 +40,19 @@ def think(
     field = field_of(stance, command.crab_angle, terrain, machine, gait)
     notes: Notes | None = {"crab_angle": command.crab_angle, "quarter_turns": field.standard.quarter_turns} if explain else None
     paper = decide(field.standard, field.start.posture, field.ground, field.accepts(field.start), notes)
-    choice = yield from choose(field, paper)
+    strained = is_strained(field)
+    choice = yield from (unhurried(choose(field, paper)) if strained else choose(field, paper))
     if notes is not None:
         notes["lookahead"] = told(field, choice)
-    if choice.pace >= STUCK * standard_way(field.standard) or not choice.finished:
+    standard, escape = standard_way(field.standard), None
+    if strained and choice.pace < GETS_ON * standard:  # a crossing begun is gone on with
+        escape = yield from unhurried(by_stretching(field, stance, command.crab_angle, choice.pace))
+    if escape is None and (choice.pace >= STUCK * standard or not choice.finished):
         answer = first_that_passes(field, stance, choice.ways, command, notes)
         if isinstance(answer, StepPlan):
             return answer
-    escape = yield from way_out(field, stance, command.crab_angle)
+    if escape is None:
+        escape = yield from unhurried(way_out(field, stance, command.crab_angle))
     if escape is not None:
         if notes is not None:
             notes["escape"] = escape.kind

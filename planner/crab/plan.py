@@ -14,10 +14,10 @@ from ..terrain import TerrainMap
 from ..vocabulary import Array, Blocked, Command, Gait, Point, Stance, StepPlan
 from .height import CLEARANCE, body_height, ground_ahead, height_range, lift, torso_needs, torso_needs_exactly
 from .landing import Landing, corners_of, domain_of, ground_of
-from .standard import LEAN, Posture, Standard, posture_of, standard_for
+from .standard import Posture, Standard, posture_of, standard_for
 from .trajectory import Knot, Swing, Timing, knots, speed_limit, timing
 from .turning import plan_turn, turns
-from .xy import Notes, Shift, Step, decide, exits_of
+from .xy import STANDING_LEG, Notes, Shift, Step, decide, exits_of
 
 LEG_CHECKS = (0.25, 0.5, 0.75, 1.0)  # shares of a step at which the legs are held against tall things; 6 cm apart at most
 LEVEL = 0.005  # m; feet this close to the height of level ground stand on it: no height to plan
@@ -83,8 +83,11 @@ class Ahead:
 
     def height_limits(self, leg: int, g0: float, g: float, landing: Landing) -> tuple[float, float]:
         """Lowest and highest CoG at N_{k+1}: all four feet in reach there, and u still in reach after g0; low > high when none is."""
+        return self._limits(leg, g0, g, self.ground_at(landing))
+
+    def _limits(self, leg: int, g0: float, g: float, ground: float) -> tuple[float, float]:
         heights = self.heights.copy()
-        heights[leg] = self.ground_at(landing)
+        heights[leg] = ground
         low, high = height_range(self.machine, heights)
         if g0 > 0.0:
             z, share = self.stance.body[2], g0 / g
@@ -94,27 +97,33 @@ class Ahead:
 
     def height_after(self, leg: int, g: float, landing: Landing, low: float, high: float) -> float:
         """Height of the CoG at N_{k+1} within the limits (H §6), m."""
+        return self._height(leg, g, landing, self.ground_at(landing), low, high)
+
+    def _height(self, leg: int, g: float, landing: Landing, ground: float, low: float, high: float) -> float:
         (lx, ly), (rx, ry) = self.posture.feet[0], self.posture.feet[3]
         left, right = (lx, ly, self.heights[0]), (rx, ry, self.heights[3])
         if leg == 0:
-            left = landing.x, landing.y, self.ground_at(landing)
+            left = landing.x, landing.y, ground
         elif leg == 3:
-            right = landing.x, landing.y, self.ground_at(landing)
+            right = landing.x, landing.y, ground
         predicted = ground_ahead(left, right, self.standard.ux, self.standard.uy)
         return body_height(self.stance.body[2], g, predicted, self.gait.height, low, high)
 
     def refuses(self, shift: Shift, landing: Landing) -> str | None:
         """Why a foothold cannot be used for its height; None when it can."""
-        leg, z = shift.leg, self.ground_at(landing)
+        leg = shift.leg
+        if self.has_tall and self._standing_legs_meet(self.standard.body_leg[leg], shift.g):
+            return STANDING_LEG
+        z = self.ground_at(landing)
         if z != z:
             return "no ground known there"
-        low, high = self.height_limits(leg, shift.g0, shift.g, landing)
+        low, high = self._limits(leg, shift.g0, shift.g, z)
         if low > high:
             return "too high or too low for the legs to reach together"
-        height = self.height_after(leg, shift.g, landing, low, high)
+        height = self._height(leg, shift.g, landing, z, low, high)
         if self.crest(leg, landing) + CLEARANCE > self.ceiling(height):
             return "the foot cannot be lifted over the ground on the way"
-        if self.has_tall and self.leg_in_the_way(shift, landing, height):
+        if self.has_tall and self._new_leg_meets(shift, landing, z, height):
             return "a leg would run into something tall"
         return None
 
@@ -123,18 +132,16 @@ class Ahead:
         """True when something near is tall enough to meet a leg."""
         return something_tall(self.terrain, self.machine, self.stance.body[0], self.stance.body[1], min(self.heights))
 
-    def leg_in_the_way(self, shift: Shift, landing: Landing, height: float) -> bool:
-        """True when on the way of the step some leg that stands, or at its end the new one, meets ground."""
+    def _new_leg_meets(self, shift: Shift, landing: Landing, ground: float, height: float) -> bool:
+        """True when at the end of the step the leg that swings, on its new foothold, meets ground."""
         u = self.standard.body_leg[shift.leg]
-        if self._standing_legs_meet(u, shift.g):
-            return True
         x, y = self.posture.absolute(shift.g * self.standard.ux, shift.g * self.standard.uy)
         feet: list[Point | None] = [None] * len(self.stance.feet)
-        feet[u] = landing.ax, landing.ay, self.ground_at(landing)
+        feet[u] = landing.ax, landing.ay, ground
         return leg_in_the_way(self.terrain, self.machine, (x, y, height, self.stance.body[3]), feet) is not None
 
     def _standing_legs_meet(self, u: int, g: float) -> bool:
-        """The same of the three legs that stay, whatever the foothold; asked for every cell, so remembered."""
+        """True when on the way of the step a leg that stays meets ground, whatever the foothold; asked for every cell, so remembered."""
         key = u, g
         if key not in self._met:
             z, yaw = self.stance.body[2], self.stance.body[3]
@@ -248,7 +255,7 @@ def _clock(
         g,
         top[2] - swing[0][2],
         over[2] - aim[2],
-        (max(behind, LEAN), max(beyond, LEAN)),
+        (max(behind, standard.lean), max(beyond, standard.lean)),
         command.speed,
         lambda: _cruise(machine, gait, standard.duty_factor, standard.stride, course),
     )

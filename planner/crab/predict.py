@@ -9,7 +9,8 @@ beam over steps near the paper's; where that does not get on, any foothold in re
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
+from itertools import chain
 from typing import NamedTuple
 
 from ..lookahead import Branch, Found, Option, beam, firsts, ranked, rollouts
@@ -64,12 +65,18 @@ def choose(field: Field, paper: Step | None) -> Generator[None, bool | None, Cho
         back = choice_of("back", (yield from _back_to_standard(field)), BACK_STEPS + 1)
         if not back.finished or back.pace >= enough:
             return back
+    return (yield from best_of(field))
+
+
+def best_of(field: Field) -> Generator[None, bool | None, Choice]:
+    """The ways on from here over broken ground: near the paper's, and where those do not get on, any."""
+    enough = GETS_ON * standard_way(field.standard)
     near = choice_of("near", (yield from look_near(field)), DEPTH)
     if not near.finished or near.pace >= enough:
         return near
-    wide = choice_of("wide", (yield from _wide(field)), LOOK + 2)
+    wide = choice_of("wide", (yield from look_wide(field)), LOOK + 2)
     if max(wide.pace, near.pace) < STUCK * standard_way(field.standard):
-        wide = choice_of("wide", (yield from _wide(field.daring())), LOOK + 2)
+        wide = choice_of("wide", (yield from look_wide(field.daring())), LOOK + 2)
     best, other = (wide, near) if wide.ways and (wide.pace > near.pace or not near.ways) else (near, wide)
     return Choice(best.search, [*best.ways, *other.ways], best.horizon)
 
@@ -89,7 +96,7 @@ def _back_to_standard(field: Field) -> Work:
     start = field.start
     gain = gain_with(field, BACK_CARE)
     margins = (field.standard.margin, min(SMALL, field.standard.margin))
-    choices: list[Chosen] = [*near_steps(field, start, margins, 3), *wide_steps(field, start), *sways(field, start)]
+    choices = chain(near_steps(field, start, margins, 3), any_steps(field, start))
     found: Ahead = yield from rollouts(_options(field, start, choices, gain, 0.0), policy_with(field, gain), BACK_STEPS)
     return found
 
@@ -112,19 +119,18 @@ def look_near(field: Field) -> Work:
     return Found(firsts(found.ways), found.finished)
 
 
-def _wide(field: Field) -> Work:
+def look_wide(field: Field) -> Work:
     """Where the standard order has come to an end: any foothold in reach, followed by the paper's policy; then two of them."""
     start, gain = field.start, gain_with(field, CARE)
     policy = policy_with(field, gain)
-    choices: list[Chosen] = [*wide_steps(field, start), *sways(field, start)]
-    glanced: Ahead = yield from rollouts(_options(field, start, choices, gain, 0.5), policy, GLANCE)
+    glanced: Ahead = yield from rollouts(_options(field, start, any_steps(field, start), gain, 0.5), policy, GLANCE)
     if not glanced.finished:
         return glanced
     found: Ways = []
     for branch in glanced.ways[:KEPT]:
         first = branch.first
         reached = field.after(start, first)
-        successors: list[Chosen] = [*wide_steps(field, reached, short=False), *sways(field, reached)]
+        successors = any_steps(field, reached, short=False)
         second = ((option, first) for option, _ in _options(field, reached, successors, gain, 0.0))
         looked: Ahead = yield from rollouts(second, policy, LOOK, gain(first), 1)
         found += looked.ways
@@ -133,8 +139,14 @@ def _wide(field: Field) -> Work:
     return Found(firsts([*ranked(found), *glanced.ways]), True)
 
 
+def any_steps(field: Field, state: State, short: bool = True) -> Iterator[Chosen]:
+    """Any foothold in reach and the four-leg shifts, found one by one: all at once is too much for a tick."""
+    yield from wide_steps(field, state, short)
+    yield from sways(field, state)
+
+
 def _options(
-    field: Field, state: State, choices: list[Chosen], gain: Callable[[Chosen], float], hope: float
+    field: Field, state: State, choices: Iterable[Chosen], gain: Callable[[Chosen], float], hope: float
 ) -> Iterator[tuple[Option[State, Chosen], Chosen]]:
     """Choices with where they lead; ``hope`` is the share of the reserve that counts as promised."""
     for choice in choices:

@@ -109,8 +109,12 @@ def plan_route(
     if survey is None or way is None:
         survey = Survey(region, stance, terrain, machine)
         way = Ways(survey).best(state.offset, refused)
+    if way.reach < NO_WAY:  # no way for legs in their control reach, nor round it: what do they reach when they stretch?
+        why = survey.why()
+        survey = Survey(region, stance, terrain, machine, stretched=True)
+        way = Ways(survey).best(state.offset, refused)
     if way.reach < NO_WAY:
-        return command, replace(state, aim=None, offset=0.0, way=()), Blocked(survey.why())
+        return command, replace(state, aim=None, offset=0.0, way=()), Blocked(why)
     return _steered(command, state, stance, region, way, survey if cautious else None)
 
 

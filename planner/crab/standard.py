@@ -23,6 +23,7 @@ HYSTERESIS = 0.009  # rad (0.5°) beyond α_c before the gait turns over; smalle
 TIE = 0.001  # rad; the course keeps this far from α_c, where the CoG would pass over a foot and no triangle can be entered
 AGREEMENT = 0.05  # of λ*; two legs standing closer than this to the standard layout agree with it
 LEAN = 0.02  # m; reach kept beyond the strokes for vertical lifting while the body moves; less and v_max collapses
+STRETCH_LEAN = 0.005  # m; the same where legs stretch to the mechanical limit (``escape``): the body goes 0.016 m/s as a foot comes down
 
 # Leg roles, canonical and 0-based. The walk goes 1-3-4-2 in H's numbers: a hind leg, then the front leg of its side.
 SUCCESSOR = (2, 0, 3, 1)
@@ -51,6 +52,7 @@ class Standard:
     duty_factor: float  # β
     boxes: tuple[Box, ...]  # control reach, canonical legs
     far_boxes: tuple[Box, ...]  # mechanical reach
+    lean: float  # m, kept between the two for vertical lifting
     centres: tuple[XY, ...]  # C_i
     stride: float  # λ*
     margin: float  # s0
@@ -137,17 +139,20 @@ def _half_width(critical: float, n: int) -> float:
     return QUARTER - critical if n % 2 else critical
 
 
-def standard_for(machine: Machine, gait: Gait, crab_angle: float, previous: int = -1) -> Standard:
-    """The standard walk for a commanded crab angle, staying with ``previous`` quarter turns on the boundary."""
-    return _standard(machine, gait.duty_factor, crab_angle, previous)
+def standard_for(machine: Machine, gait: Gait, crab_angle: float, previous: int = -1, stretched: bool = False) -> Standard:
+    """The standard walk for a commanded crab angle, staying with ``previous`` quarter turns on the boundary.
+
+    ``stretched`` is the walk of legs that reach as far as their mechanism goes, less what lifting needs at least (``escape``).
+    """
+    return _standard(machine, gait.duty_factor, crab_angle, previous, stretched)
 
 
 @lru_cache(maxsize=512)
-def _standard(machine: Machine, duty_factor: float, crab_angle: float, previous: int) -> Standard:
+def _standard(machine: Machine, duty_factor: float, crab_angle: float, previous: int, stretched: bool) -> Standard:
     n = quarter_turns(machine, crab_angle, previous)
     asked, widest = folded(crab_angle, n), _half_width(critical_angle(machine), n) - TIE
     alpha = min(max(asked, -widest), widest)
-    boxes, far_boxes = _canonical_boxes(machine, n)
+    boxes, far_boxes = _canonical_boxes(machine, n, stretched)
     x_span, y_span = boxes[0][1] - boxes[0][0], boxes[0][3] - boxes[0][2]
     stride = stroke_length(x_span, y_span, alpha)
     centres = tuple(((box[0] + box[1]) / 2, (box[2] + box[3]) / 2) for box in boxes)
@@ -164,6 +169,7 @@ def _standard(machine: Machine, duty_factor: float, crab_angle: float, previous:
         duty_factor=duty_factor,
         boxes=boxes,
         far_boxes=far_boxes,
+        lean=STRETCH_LEAN if stretched else LEAN,
         centres=centres,
         stride=stride,
         margin=standard_margin(stride, duty_factor),
@@ -173,16 +179,21 @@ def _standard(machine: Machine, duty_factor: float, crab_angle: float, previous:
     )
 
 
-def _canonical_boxes(machine: Machine, n: int) -> tuple[tuple[Box, ...], tuple[Box, ...]]:
+def _canonical_boxes(machine: Machine, n: int, stretched: bool) -> tuple[tuple[Box, ...], tuple[Box, ...]]:
     """Control and mechanical reach in the turned frame; odd n swaps (x0, x*) with (y0, y*) (H table 1)."""
     (x1, x2, y1, y2), (over_x, over_y, _) = machine.boxes[0], machine.overreach
-    spans = [(x1, x2, over_x, max(0.0, LEAN - over_x)), (y1, y2, over_y, max(0.0, LEAN - over_y))]
+    spans = [(x1, x2, over_x, kept(over_x, stretched)), (y1, y2, over_y, kept(over_y, stretched))]
     if n % 2:
         spans.reverse()
     (ax, bx, dx, kx), (ay, by, dy, ky) = spans
     control = (ax + kx, bx - kx, ay + ky, by - ky)
     far = (ax - dx, bx + dx, ay - dy, by + dy)
     return _mirrored(control), _mirrored(far)
+
+
+def kept(overreach: float, stretched: bool) -> float:
+    """By how much footholds are planned inside the control reach, m; negative: outside it."""
+    return STRETCH_LEAN - overreach if stretched else max(0.0, LEAN - overreach)
 
 
 def _mirrored(box: Box) -> tuple[Box, ...]:

@@ -4,7 +4,8 @@ The yaw does not change in a crab walk, so a place of the body is a point and ev
 map turned into body axes. A place is *fit* when
 
 - every leg has ground to step on within its reach rectangle. As the body moves on, a foothold stays in the rectangle for
-  up to the stroke λ*, so "fit all along" is exactly "no gap in any leg's lane is longer than the stroke allows";
+  up to the stroke λ*, so "fit all along" is exactly "no gap in any leg's lane is longer than the stroke allows"; a
+  ``stretched`` survey takes the rectangles of legs stretched to the mechanical limit, for where there is no other way;
 - the legs can reach the ground under them together, with a level body;
 - the torso clears the ground; and nothing bars a leg's whole lane that the leg cannot be lifted over.
 
@@ -24,6 +25,7 @@ from ..machine import Machine
 from ..terrain import TerrainMap
 from ..vocabulary import Stance
 from .height import CLEARANCE
+from .standard import kept
 
 Array = NDArray[np.float64]
 Reals = NDArray[np.floating[Any]]
@@ -40,7 +42,7 @@ RIM = 0.6  # of a sample, by which rectangles are widened: rather try a gap as l
 SCARCE, SCARCE_COST = 0.5, 3.0  # of the usual density of footholds; what a place without any would cost, m per m
 SCARCE_BELOW = 0.3  # density that is never scarce
 WAY_OUT, UNFIT_COST = 0.35, 20.0  # m about a body that stands where it should not; m per m there
-RISE_SHARE = 0.8  # of z*; legs whose ground differs by more on average cannot stand together and still step
+RISE_SHARE = 0.96  # of z*; legs whose ground differs by more on average cannot stand together and still step
 BARRED = 0.9  # of a lane's width; a leg finds its way past what covers less
 LOW_RELIEF = 0.05  # m; ground this even needs no survey of heights
 KNOWN_ENOUGH = 0.2  # of a leg's rectangle seen: enough to plan by
@@ -127,11 +129,18 @@ def is_plain(region: Region, stance: Stance, terrain: TerrainMap) -> bool:
     return bool(heights.max() - heights.min() <= LOW_RELIEF)
 
 
+def stretched_boxes(machine: Machine) -> tuple[Box, ...]:
+    """Every leg's reach rectangle where it stretches to the mechanical limit (``escape``)."""
+    dx, dy = (-kept(over, stretched=True) for over in machine.overreach[:2])
+    return tuple((x1 - dx, x2 + dx, y1 - dy, y2 + dy) for x1, x2, y1, y2 in machine.boxes)
+
+
 class Survey:
     """The map around one stance, turned into body axes, and what it says of every place of the body."""
 
-    def __init__(self, region: Region, stance: Stance, terrain: TerrainMap, machine: Machine) -> None:
+    def __init__(self, region: Region, stance: Stance, terrain: TerrainMap, machine: Machine, stretched: bool = False) -> None:
         self.region, self.machine = region, machine
+        self.boxes = stretched_boxes(machine) if stretched else machine.boxes
         self.step = max(SAMPLE, terrain.cell)
         x_min, x_max, y_min, y_max = region.extent
         pad = 2 * self.step
@@ -178,7 +187,7 @@ class Survey:
         density, seen = np.full(verdict.shape, np.inf), np.ones(verdict.shape)
         low, high = np.full(verdict.shape, np.inf), np.full(verdict.shape, -np.inf)
         walls = self._walls(solid)
-        for leg, box in enumerate(self.machine.boxes):
+        for leg, box in enumerate(self.boxes):
             window = self._window(box)
             area = (window[1] - window[0]) * (window[3] - window[2])
             count = footholds.of(window)

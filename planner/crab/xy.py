@@ -17,6 +17,7 @@ from .landing import Ground, Landing, domain_of, landings
 from .standard import AGREEMENT, IS_FRONT, OTHERS, SUCCESSOR, Posture, Standard
 
 STILL = 1e-6  # m; less than this is no motion
+STANDING_LEG = "a leg that stands would run into something tall"  # whatever the foothold: no use to try another with this shift
 SLACK = 0.0005  # m; a CoG this far outside an edge still counts as inside (a margin counts from -1 mm)
 
 Notes = dict[str, Any]
@@ -173,6 +174,8 @@ def foothold_step(
             refusal = accepts(shift, step.landing) if accepts is not None else None
             if refusal is None:
                 return step
+            if trial is None and refusal is STANDING_LEG:
+                return None
             _note_cell(trial, step.landing, refusal)
     return None
 

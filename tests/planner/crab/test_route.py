@@ -88,13 +88,20 @@ def test_scattered_holes_are_no_reason_to_leave_the_line(fraction, seed):
     assert why is None and set(courses) == {0.0}
 
 
-def test_a_river_as_wide_as_the_stroke_is_crossed_and_a_wider_one_is_not():
+def test_a_river_as_wide_as_the_mechanical_reach_is_crossed_and_a_wider_one_is_not():
     stroke = MACHINE.reach.x_span
-    _, courses, why = walked(map_of(with_hole(2.0, 2.0 + stroke, LOW, HIGH)))
-    assert why is None and set(courses) == {0.0}
-    places, courses, why = walked(map_of(with_hole(2.0, 2.1 + stroke, LOW, HIGH)))
+    for width in (stroke, stroke + 2 * MACHINE.overreach[0]):
+        _, courses, why = walked(map_of(with_hole(2.0, 2.0 + width, LOW, HIGH)))
+        assert why is None and set(courses) == {0.0}
+    places, courses, why = walked(map_of(with_hole(2.0, 2.2 + stroke, LOW, HIGH)))
     assert why is not None and "no way round" in why.reason and "would find no foothold" in why.reason
     assert places[-1][0] < 2.0
+
+
+def test_a_hole_wider_than_the_stroke_is_gone_round_rather_than_stretched_over():
+    width = MACHINE.reach.x_span + 2 * MACHINE.overreach[0]
+    _, courses, why = walked(map_of(with_hole(2.0, 2.0 + width, -0.8, 0.8)))
+    assert why is None and set(courses) != {0.0}
 
 
 def test_what_fits_between_the_legs_is_stepped_over():
