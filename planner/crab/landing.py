@@ -226,17 +226,18 @@ def clipped(corners: list[XY], a: float, b: float, c: float) -> list[XY]:
 
 def nearest_of(corners: list[XY], x: float, y: float) -> XY:
     best, least = corners[0], math.inf
-    inside = True
+    inside, apart = True, False  # a polygon that is a mere line has no inside
     for (px, py), (qx, qy) in zip(corners, corners[1:] + corners[:1], strict=True):
         ex, ey = qx - px, qy - py
-        inside = inside and ex * (y - py) - ey * (x - px) >= 0.0
+        left = ex * (y - py) - ey * (x - px)
+        inside, apart = inside and left >= 0.0, apart or left > 0.0
         length = ex * ex + ey * ey
         w = min(1.0, max(0.0, ((x - px) * ex + (y - py) * ey) / length)) if length > 0.0 else 0.0
         nx, ny = px + w * ex, py + w * ey
         away = (nx - x) ** 2 + (ny - y) ** 2
         if away < least:
             best, least = (nx, ny), away
-    return (x, y) if inside else best
+    return (x, y) if inside and apart else best
 
 
 def cells_from(posture: Posture, domain: Domain, start: XY, ground: Ground, trial: dict[str, Any] | None = None) -> Iterator[Landing]:

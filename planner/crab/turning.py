@@ -28,8 +28,13 @@ from .standard import OTHERS
 from .xy import SLACK, STILL, Notes
 
 STRAIGHT = 1e-3  # rad per m of s; a course that bends less, one of a kilometre's radius, is walked straight
-DEPTH, WIDTH = 6, 6  # steps a sequence is long, sequences kept; less: see it sway where a swing would do
-FAR_DEPTH, FAR_WIDTH = 9, 16  # the second look, when the first finds no way on
+LOOKS = (  # steps a sequence is long, sequences kept, and for how many of its steps feet may come down anywhere in reach
+    (6, 6, 0),  # less: see it sway where a swing would do
+    (9, 16, 0),  # each of these when the one before finds no way on
+    (8, 32, 1),  # without: see it stand for good after a turn of mind, its legs at the edges of their reach
+    (8, 48, 2),
+)
+ANYWHERE = (0.02, 0.5, 0.98)  # of the reach, along and across: where feet are tried when they may come down anywhere
 INSET = 0.03  # m from every edge of the triangle, where the standard walk has so much
 INSET_SHARE = 0.6  # of the least margin of the standard walk, where it has less
 THIN, BARE = 0.004, 0.001  # m; an inset every swing keeps where it can, and one it keeps always; none: see the torso tip as a foot lifts
@@ -37,7 +42,9 @@ THIN_COST = 0.15  # m of course a swing without it is held to lose
 USEFUL = 0.5  # of the standard swing's way; a swing that moves the body less is looked at with no inset, and beside sways
 FAR_ENOUGH = 0.45  # m around I_u in which footholds are looked for
 CELLS_MAX = 4  # footholds compared
-STILL_MAX = 2  # steps without a useful way after which sways and the leg before are left out in turn; else see it go to and fro
+STILL_MAX = 2  # steps without a useful way after which the way that gets on soonest is taken; else see it go to and fro
+HURRY = 10.0  # m such a way is held to gain over one that never gets on; more than any way loses
+HURRIED = 2  # the look it begins with
 SWAY_MIN = 0.002  # m; a shorter sway is none
 PHASE_WEIGHT = 0.25  # of what the legs lack of the standard phases, m of progress per m; 0: see legs bunch up and sway
 
@@ -75,17 +82,21 @@ class Outlook:
         self.insets = (comfort, THIN, BARE) if comfort > THIN else (THIN, BARE)
         x, y, _, yaw = stance.body
         feet = in_body(stance)
-        self.root = Place(x, y, yaw, feet, self.exits(feet), stance.last_swing, 0.0, stance.still >= STILL_MAX and stance.still % 2 == 1)
-        self.never_again = stance.still >= STILL_MAX and stance.still % 2 == 0
+        self.root = Place(x, y, yaw, feet, self.exits(feet), stance.last_swing)
+        self.hurries = stance.still >= STILL_MAX  # the way that gets on soonest is the best
+        self.anywhere = 0  # steps in which feet may come down anywhere in reach
 
-    def look(self, depth: int, width: int) -> Search[Place, Move]:
+    def look(self, depth: int, width: int, anywhere: int = 0) -> Search[Place, Move]:
         """The ways on, best first: way gone, less what was lost on it, less what the legs lack of the standard phases."""
+        self.anywhere = anywhere
         return beam(self.root, self.options, depth, width)
 
     def options(self, place: Place, depth: int) -> Iterator[Option[Place, Move]]:
         """Every next step worth looking at, for the beam."""
-        for move in self.moves(place, depth == 0):
+        for move in self.moves(place, depth):
             after, gain = self.after(place, move)
+            if self.hurries and place.way < self.useful <= after.way:
+                gain += HURRY / (1 + depth)
             yield Option(move, after, gain, self.promise(after))
 
     def promise(self, place: Place) -> float:
@@ -100,24 +111,24 @@ class Outlook:
 
     # what can be done next
 
-    def moves(self, place: Place, first: bool) -> Iterator[Move]:
+    def moves(self, place: Place, depth: int) -> Iterator[Move]:
         """Swings of every leg but the last, sways where swings do little; the last leg again when nothing else is left."""
-        found, stuck = False, []
+        first, found, stuck = depth == 0, False, []
         for leg in range(4):
             shift = self.shift_of(place, leg) if leg != place.last else None
             if shift is not None:
-                for move in self.landings(place, leg, *shift, first):
+                for move in self.landings(place, leg, *shift, depth):
                     found = True
                     yield move
             if shift is None or shift[1] - shift[0] < self.useful:
                 stuck.append(leg)
-        if not found and place.last >= 0 and not (first and self.never_again):
+        if not found and place.last >= 0:
             shift = self.shift_of(place, place.last)
             if shift is not None:
-                for move in self.landings(place, place.last, *shift, first):
+                for move in self.landings(place, place.last, *shift, depth):
                     found = True
                     yield move
-        if not found or (not place.swayed and (first or len(stuck) == 4)):
+        if not found or (not place.swayed and (first or depth < self.anywhere or len(stuck) == 4)):
             for leg in stuck:
                 sway = self.sway(place, leg)
                 if sway is not None:
@@ -145,26 +156,33 @@ class Outlook:
                 break
         return best
 
-    def landings(self, place: Place, leg: int, g0: float, g: float, inset: float, first: bool) -> Iterator[Move]:
-        """Where the foot may come down: by phase, and as far ahead as its stroke goes."""
-        circular, exits = self.circular, place.exits
+    def landings(self, place: Place, leg: int, g0: float, g: float, inset: float, depth: int) -> Iterator[Move]:
+        """Where the foot may come down: by phase, as far ahead as its stroke goes, and, when nothing else leads on, anywhere."""
+        circular, exits, twist = self.circular, place.exits, self.circular.twist
         before, farthest = circular.predecessor[leg], g + circular.stride
         phase = min(max(exits[before] - circular.spares[before] + circular.lags[leg], g), farthest)
+        starts = []
         for wanted in (phase, farthest) if farthest - phase > 0.05 * circular.stride else (phase,):
-            move = self.foothold(place, leg, g0, g, inset, wanted, first)
+            starts.append((carried(twist, *circular.centres[leg], wanted - circular.ends[leg]), wanted))
+        if depth < self.anywhere:
+            x1, x2, y1, y2 = circular.boxes[leg]
+            starts += [
+                (carried(twist, x1 + u * (x2 - x1), y1 + v * (y2 - y1), g), 0.0) for u in ANYWHERE for v in ANYWHERE
+            ]  # fmt: skip
+        for start, wanted in starts:
+            move = self.foothold(place, leg, Move(leg, g0, g, start, start, start, inset), wanted, depth == 0)
             if move is not None:
                 yield move
 
-    def foothold(self, place: Place, leg: int, g0: float, g: float, inset: float, wanted: float, first: bool) -> Move | None:
-        """The point on the circular stroke that is left after ``wanted``, or the best of the free cells nearest to it."""
-        circular, twist = self.circular, self.circular.twist
-        start = carried(twist, *circular.centres[leg], wanted - circular.ends[leg])
+    def foothold(self, place: Place, leg: int, swing: Move, wanted: float, first: bool) -> Move | None:
+        """I_u itself, or the best of the free cells nearest to it: near, and left no sooner than ``wanted``."""
+        g, start = swing.g, swing.start
         ax, ay = place.absolute(*start)
         fx, fy = place.feet[leg]
         if self.ground.allows(ax, ay) and self.fits(leg, g, start, (ax, ay), first) is not None:
             if g <= STILL and math.hypot(start[0] - fx, start[1] - fy) <= STILL:
                 return None
-            return Move(leg, g0, g, start, start, (ax, ay), inset)
+            return swing._replace(ground=(ax, ay))
         best, least, count = None, math.inf, 0
         for px, py, qx, qy, away in self.cells(place, (ax, ay)):
             left = self.fits(leg, g, (px, py), (qx, qy), first)
@@ -172,7 +190,7 @@ class Outlook:
                 continue
             cost = away + max(0.0, wanted - g - left)
             if cost < least:
-                best, least = Move(leg, g0, g, start, (px, py), (qx, qy), inset), cost
+                best, least = swing._replace(landing=(px, py), ground=(qx, qy)), cost
             count += 1
             if count >= CELLS_MAX:
                 break
@@ -222,11 +240,12 @@ class Outlook:
         return None
 
     def _room(self, feet: tuple[XY, ...]) -> list[XY]:
-        """Where the body may be shifted to with every foot in reach: a rectangle, empty when a foot is out of reach."""
+        """Where the body may be shifted to with every foot in reach, or no farther out of it than it is: a rectangle."""
         x1, x2, y1, y2 = -math.inf, math.inf, -math.inf, math.inf
         for (fx, fy), box in zip(feet, self.circular.boxes, strict=True):
             x1, x2, y1, y2 = max(x1, fx - box[1]), min(x2, fx - box[0]), max(y1, fy - box[3]), min(y2, fy - box[2])
-        return [(x1, y1), (x2, y1), (x2, y2), (x1, y2)] if x1 <= x2 and y1 <= y2 else []
+        x1, x2, y1, y2 = min(x1, 0.0), max(x2, 0.0), min(y1, 0.0), max(y2, 0.0)
+        return [(x1, y1), (x2, y1), (x2, y2), (x1, y2)]
 
     def after(self, place: Place, move: Move) -> tuple[Place, float]:
         """The posture at N_{k+1}, and the way gone less what could have been gone in the time: the cheap roll-out of one step."""
@@ -285,12 +304,12 @@ def think_turn(
     outlook = Outlook(circular, stance, terrain, machine, gait)
     rises, stay = outlook.rises, outlook.promise(outlook.root)
     answer: StepPlan | Blocked = Blocked("no sequence of swings and sways leads on along the arc", None, notes)
-    for depth, width in (DEPTH, WIDTH), (FAR_DEPTH, FAR_WIDTH):
-        found = yield from _patiently(outlook.look(depth, width))
+    for depth, width, anywhere in LOOKS[HURRIED:] if outlook.hurries else LOOKS:
+        found = yield from _patiently(outlook.look(depth, width, anywhere))
         if notes is not None:
             notes["lookahead"] = turnnotes.weighed(found.ways, depth)
         for way in firsts(found.ways):
-            if way.state.way < outlook.useful and outlook.promise(way.state) <= stay + STILL:
+            if way.state.way < outlook.useful and (outlook.hurries or outlook.promise(way.state) <= stay + STILL):
                 continue  # no better than to stay
             plan: StepPlan | Blocked
             if notes is not None:
@@ -303,7 +322,6 @@ def think_turn(
             if isinstance(plan, StepPlan):
                 return plan
             answer = plan
-        outlook.never_again = False
     if notes is not None and "legs" not in notes:
         notes["legs"] = turnnotes.legs_tried(outlook, None)
     return answer

@@ -39,7 +39,7 @@ def legs_tried(outlook: Outlook, taken: Move | None) -> list[dict[str, Any]]:
             trial |= {"g0": g0, "g": g, "inset": inset}
             if taken is not None and taken.leg == leg:
                 trial["refused"] = refused(outlook, taken)
-            elif not any(True for _ in outlook.landings(root, leg, g0, g, inset, True)):
+            elif not any(True for _ in outlook.landings(root, leg, g0, g, inset, 0)):
                 trial["reason"] = "no foothold in reach"
         told.append(trial)
         leg = circular.successor[leg]

@@ -7,7 +7,7 @@ import pytest
 from crab_walks import TITAN, Blocked, command, gait, holes, random_stance, walk
 
 from planner.course import line_exit
-from planner.crab.landing import Ground, domain_of, ground_of, landings, nearest_in, phase_point, stroke_in
+from planner.crab.landing import Ground, domain_of, ground_of, landings, nearest_in, nearest_of, phase_point, stroke_in
 from planner.crab.standard import IS_FRONT, IS_LEFT, PREDECESSOR, posture_of, standard_for, standard_stance
 from planner.crab.xy import Shift, exits_of, shift_of
 
@@ -174,6 +174,14 @@ def test_the_nearest_point_of_the_domain_is_in_it_and_no_cell_is_nearer():
         away = math.hypot(nearest[0] - x, nearest[1] - y)
         for _, landing in landings(standard, posture, domain, exits, shift.g, ground_of(grid)):
             assert math.hypot(landing.x - x, landing.y - y) >= away - 1e-6
+
+
+def test_of_a_domain_that_is_a_mere_line_the_nearest_point_is_on_it():
+    line = [(0.1, 0.0), (0.3, 0.0), (0.3, 0.0), (0.1, 0.0)]
+    assert nearest_of(line, 0.0, 0.0) == (0.1, 0.0), "in its prolongation, so on the left of no edge"
+    assert nearest_of(line, 0.2, 0.5) == pytest.approx((0.2, 0.0))
+    square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
+    assert nearest_of(square, 0.5, 0.0) == (0.5, 0.0) and nearest_of(square, 0.25, 0.5) == (0.25, 0.5)
 
 
 def test_a_domain_may_be_empty():

@@ -12,7 +12,7 @@ from planner.crab.plan import plan_step
 from planner.crab.standard import standard_stance
 from planner.crab.turning import turns
 from planner.support import MARGIN_SLACK, polygon_margin, stable_on_arc, support_polygon
-from planner.vocabulary import Blocked, Command, Phase
+from planner.vocabulary import Blocked, Command, Phase, Stance
 
 YAW_LENGTH = TITAN.yaw_length
 LEVEL = holes()
@@ -155,6 +155,29 @@ def test_it_turns_from_any_posture():
         stance = random_stance(rng)
         plans = walk(on_circle(rng.choice([0.0, 1.0, 4.0]), rng.uniform(-180, 180), left=rng.random() < 0.5), 0.8, stance=stance)
         assert abs(turned_by(plans)) >= 0.8
+
+
+def stance_at_the_edges(rng):
+    """Any standing posture whose feet are, every other coordinate, at an edge of their reach: where a turn of mind finds them."""
+
+    def somewhere(low, high):
+        return float(rng.choice([low, high, rng.uniform(low, high), rng.uniform(low, high)]))
+
+    while True:
+        feet = tuple((somewhere(*leg.x), somewhere(*leg.y), 0.0) for leg in TITAN.legs)
+        if polygon_margin(support_polygon(feet), 0.0, 0.0) >= 0.0:
+            return Stance((0.0, 0.0, TITAN.height, 0.0), feet, int(rng.integers(-1, 4)))
+
+
+@pytest.mark.parametrize("fraction", [0.0, 0.3])
+def test_with_feet_at_the_edges_of_their_reach_it_gets_on_within_seven_steps(fraction):
+    for seed in (3, 13, 20, 21, 22, 23):  # the first two stood for good
+        rng, ways = np.random.default_rng([seed, 5]), []
+        stance, command = stance_at_the_edges(rng), on_circle(rng.choice([0.0, 1.0, 4.0]), rng.uniform(-180, 180), left=rng.random() < 0.5)
+        for plan in walk(command, math.inf, holes(fraction, seed), stance=stance, steps=14):
+            assert not isinstance(plan, Blocked), (seed, plan.reason)
+            ways.append(plan.shift)
+        assert sum(ways[:7]) > 0.02 and sum(ways[7:]) > 0.02, (seed, ways)
 
 
 def test_it_answers_alike_every_time_and_says_why_when_asked():
