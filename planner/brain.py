@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
+from .attitude import KINDS, Attitude, Kind, fitted_at_start
 from .course import Sampled
 from .crab import foresee, naive
 from .crab.plan import plan_step
@@ -22,17 +23,45 @@ from .walk import PlanStep, Think, Thinking
 
 Pose = tuple[float, float, float]  # x, y, yaw
 HeightAt = Callable[[float, float], float]
+Via = Callable[[Think, Machine, Stance, Command, TerrainMap], Thinking]
+FITTING = "predictive"  # the crab mode that fits strides and posture to slopes; the others stay as they were printed
 
 
 class BrainError(ValueError):
     """A choice of planner, mode or trace that cannot be; the message is one clear line."""
 
 
-def crab_brain(mode: str, machine: Machine, gait: Gait, *, explain: bool = False) -> Think:
-    """Hirose's planner: ``predictive``, ``paper``, or ``naive`` to show what the paper warns of."""
+def crab_brain(
+    mode: str, machine: Machine, gait: Gait, attitude: Kind = "level", via: Via | None = None, *, explain: bool = False
+) -> Think:
+    """Hirose's planner: ``predictive``, ``paper``, or ``naive`` to show what the paper warns of.
+
+    ``via`` comes between: a Level B1 that asks the thought of a machine for steps on courses of its own. Only ``predictive`` fits
+    its strides to slopes and may lean with them (``attitude``).
+    """
     if mode not in CRAB_MODES:
         raise BrainError(f"unknown crab mode {mode!r}; there are: {', '.join(CRAB_MODES)}")
-    return CRAB_MODES[mode](machine, gait, explain)
+
+    def think_of(machine: Machine) -> Think:
+        think = CRAB_MODES[mode](machine, gait, explain)
+        return think if via is None else partial(via, think, machine)
+
+    return Attitude(machine, gait, think_of, attitude) if mode == FITTING else think_of(machine)
+
+
+def attitude_of(think: Think) -> Kind:
+    """Whether the body is level or follows the ground."""
+    return think.kind if isinstance(think, Attitude) else "level"
+
+
+def take_attitude(think: Think, kind: str) -> None:
+    """Level, or following the ground, from the next step planned on; raises ``BrainError`` for a planner that cannot."""
+    if kind not in KINDS:
+        raise BrainError(f"unknown attitude {kind!r:.80}; there are: {', '.join(KINDS)}")
+    if isinstance(think, Attitude):
+        think.kind = "ground" if kind == "ground" else "level"
+    elif kind != "level":
+        raise BrainError(f'the body follows the ground only with the crab planner in mode "{FITTING}"')
 
 
 def drawn_trace(trace: Mapping[str, Any], machine: Machine, start: Pose) -> Sampled:
@@ -66,10 +95,13 @@ def square_stance(machine: Machine, gait: Gait, pose: Pose, height_at: HeightAt)
     return Stance((x, y, sum(level) / len(level) + gait.height, yaw), tuple(feet))
 
 
-def start_stance(planner: str, machine: Machine, gait: Gait, crab_angle: float, pose: Pose, height_at: HeightAt) -> Stance:
+def start_stance(
+    planner: str, machine: Machine, gait: Gait, crab_angle: float, pose: Pose, height_at: HeightAt, mode: str = FITTING
+) -> Stance:
     """The posture a walk begins in: standard for the crab planner (gait-dependent, H §4.3), square for the trace planner."""
     if planner == "crab":
-        return standard_stance(machine, gait, crab_angle, *pose, height_at)
+        fit = fitted_at_start(machine, gait, crab_angle, pose, height_at) if mode == FITTING else machine
+        return standard_stance(fit, gait, crab_angle, *pose, height_at)
     return square_stance(machine, gait, pose, height_at)
 
 

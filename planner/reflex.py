@@ -22,6 +22,7 @@ from .vocabulary import TICK, Array, Phase, Point, Sensing, Stance, StepPlan
 TURN_MIN = 1e-12  # rad; less than this to turn in one tick is no turn
 LEVEL = 1e-12  # rad; a posture sensor that reads less reads level
 ZERO = (0.0, 0.0, 0.0)
+LEVEL_LEAN = (0.0, 0.0)  # gradient of the body's floor
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +71,7 @@ class _Stretch(NamedTuple):
 class Playback:
     """A ``StepPlan`` made ready to be evaluated tick by tick."""
 
-    __slots__ = ("plan", "duration", "_times", "_stretches", "_last", "_paces")
+    __slots__ = ("plan", "duration", "leans", "asked", "_times", "_stretches", "_last", "_paces")
 
     def __init__(self, plan: StepPlan) -> None:
         times, body, feet = plan.times.tolist(), plan.body.tolist(), plan.feet.tolist()
@@ -80,6 +81,10 @@ class Playback:
         self._stretches = [_stretch(plan, k, times, body, feet) for k in range(len(times) - 1)]
         self._last = 0
         self._paces: list[float] | None = None
+        after = plan.end.lean
+        before = after if plan.lean is None else plan.lean
+        self.leans = before != LEVEL_LEAN or after != LEVEL_LEAN
+        self.asked = attitude_of(before, body[0][3]) if self.leans else LEVEL_LEAN  # roll and pitch Level C last asked for
 
     def stretch(self, t: float) -> int:
         """Index of the stretch between knots that contains t; a knot belongs to the stretch that ends there."""
@@ -108,10 +113,21 @@ class Playback:
         x, y, z, vx, vy, vz = stretch.feet[leg]
         return x + vx * s, y + vy * s, z + vz * s
 
+    def lean_at(self, t: float) -> tuple[float, float]:
+        """How the plan has the body lean at t."""
+        after = self.plan.end.lean
+        before = self.plan.lean
+        if before is None or before == after or t >= self.duration:
+            return after
+        share = max(t, 0.0) / self.duration
+        return before[0] + share * (after[0] - before[0]), before[1] + share * (after[1] - before[1])
+
     def pace_max(self, t: float, machine: Machine) -> float:
         """How many times faster than planned the stretch at t may be played before a foot exceeds its limit."""
         if self._paces is None:
-            self._paces = [_pace(stretch, end, machine.speed) for stretch, end in zip(self._stretches, self._times[1:], strict=True)]
+            tilt = max(math.hypot(*self.lean_at(0.0)), math.hypot(*self.plan.end.lean))  # a leaning leg goes sideways as it goes up
+            limits = machine.speed[0] / (1.0 + tilt), machine.speed[1] / (1.0 + tilt), machine.speed[2] / (1.0 + tilt)
+            self._paces = [_pace(stretch, end, limits) for stretch, end in zip(self._stretches, self._times[1:], strict=True)]
         return self._paces[self.stretch(t)]
 
 
@@ -149,6 +165,13 @@ def _pace(stretch: _Stretch, end: float, limits: tuple[float, float, float]) -> 
     return 1.0 / share if share > 0.0 else math.inf
 
 
+def attitude_of(lean: tuple[float, float], yaw: float) -> tuple[float, float]:
+    """Roll and pitch of a body of this yaw whose floor has this gradient along absolute x and y."""
+    c, s = math.cos(yaw), math.sin(yaw)
+    ahead, left = c * lean[0] + s * lean[1], c * lean[1] - s * lean[0]
+    return math.asin(left / math.sqrt(1.0 + ahead * ahead + left * left)), -math.atan(ahead)
+
+
 def holding_plan(stance: Stance) -> StepPlan:
     """The plan that stands where it stands, for ticks in which nothing is to move."""
     body: Array = np.array([stance.body, stance.body], dtype=np.float64)
@@ -160,6 +183,8 @@ def reflex(
     playback: Playback, t_next: float, sensing: Sensing, state: ReflexState, gains: Gains, dt: float = TICK
 ) -> tuple[list[Point], ReflexState]:
     """One tick of Level C: the body-frame foot velocities, m/s, that bring everything to where the plan has it at ``t_next``."""
+    if playback.leans:
+        return leaning_reflex(playback, t_next, sensing, state, gains, dt)
     (bx, by, _, roll, pitch, yaw), feet_b, soles = sensing.body, sensing.feet_b, sensing.soles
     start, body, rate, air, stand, down, feet, ground = playback._stretches[playback.stretch(t_next)]
     s = (0.0 if t_next < 0.0 else t_next if t_next < playback.duration else playback.duration) - start
@@ -227,6 +252,73 @@ def reflex(
     if tilted or off:
         _adjust(out, stand + landed, soles, feet_b, roll, pitch, gains, dt)
     return out, state
+
+
+def leaning_reflex(
+    playback: Playback, t_next: float, sensing: Sensing, state: ReflexState, gains: Gains, dt: float
+) -> tuple[list[Point], ReflexState]:
+    """The same for a plan that leans, with the body's whole rotation: to first order feet would miss by millimetres.
+
+    C1 levels towards the lean of the plan: what the posture is off by goes down by that share a tick, the plan's own turning is followed.
+    """
+    (bx, by, _, roll, pitch, yaw), feet_b, soles = sensing.body, sensing.feet_b, sensing.soles
+    start, body, rate, air, stand, down, feet, ground = playback._stretches[playback.stretch(t_next)]
+    s = (0.0 if t_next < 0.0 else min(t_next, playback.duration)) - start
+    x, y, z = body[0] + rate[0] * s, body[1] + rate[1] * s, body[2] + rate[2] * s
+    heading = body[3] + rate[3] * s
+    if air and down:
+        state = state._replace(landed=tuple(on or (leg in air and soles[leg]) for leg, on in enumerate(state.landed)))
+    landed = tuple(leg for leg in air if state.landed[leg])
+    swinging = tuple(leg for leg in air if not state.landed[leg])
+
+    now = rotation(roll, pitch, yaw)
+    reached = [_turned(now, foot) for foot in feet_b]
+    on = [leg for leg in stand if soles[leg]]
+    height = sum(feet[leg][2] - reached[leg][2] for leg in on) / len(on) if on else z  # of the body, from where its feet stand (37)
+
+    wanted, (asked_roll, asked_pitch) = attitude_of(playback.lean_at(t_next), heading), playback.asked
+    playback.asked = wanted
+    keep = 1.0 - gains.posture
+    then = rotation(wanted[0] + keep * (roll - asked_roll), wanted[1] + keep * (pitch - asked_pitch), heading)
+
+    simple = gains.integral == 0.0 and gains.derivative == 0.0
+    gain = gains.position / dt if simple else 1.0
+    out: list[Point] = [ZERO] * len(feet_b)
+    for leg in stand + landed:  # one rigid motion of the body for all that carry
+        px, py, pz = reached[leg]
+        out[leg] = _towards(_unturned(then, (px + bx - x, py + by - y, pz + height - z)), feet_b[leg], gain)
+    for leg in swinging:
+        fx, fy, fz, vx, vy, vz = feet[leg]
+        out[leg] = _towards(_unturned(then, (fx + vx * s - x, fy + vy * s - y, fz + vz * s - z)), feet_b[leg], gain)
+    if not simple:
+        state = _pid(out, stand, landed, feet_b, state, gains, dt)
+    for leg in stand + landed:
+        if not soles[leg]:
+            vx, vy, vz = out[leg]
+            out[leg] = (vx, vy, vz - gains.pliancy / dt)  # C2 Δz
+    return out, state
+
+
+def rotation(roll: float, pitch: float, yaw: float) -> tuple[float, ...]:
+    """Body axes to absolute axes: nine numbers, row by row."""
+    cr, sr, cp, sp, cy, sy = math.cos(roll), math.sin(roll), math.cos(pitch), math.sin(pitch), math.cos(yaw), math.sin(yaw)
+    return (
+        cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr,
+        sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr,
+        -sp, cp * sr, cp * cr,
+    )  # fmt: skip
+
+
+def _turned(r: tuple[float, ...], p: Point) -> Point:
+    return r[0] * p[0] + r[1] * p[1] + r[2] * p[2], r[3] * p[0] + r[4] * p[1] + r[5] * p[2], r[6] * p[0] + r[7] * p[1] + r[8] * p[2]
+
+
+def _unturned(r: tuple[float, ...], p: Point) -> Point:
+    return r[0] * p[0] + r[3] * p[1] + r[6] * p[2], r[1] * p[0] + r[4] * p[1] + r[7] * p[2], r[2] * p[0] + r[5] * p[1] + r[8] * p[2]
+
+
+def _towards(there: Point, here: Point, gain: float) -> Point:
+    return (there[0] - here[0]) * gain, (there[1] - here[1]) * gain, (there[2] - here[2]) * gain
 
 
 def _lift(

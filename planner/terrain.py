@@ -21,6 +21,7 @@ from .machine import Machine
 
 SLOPE_MAX = math.radians(35.0)  # steeper ground is H: see feet slide off (titan3 default)
 RELIEF_MAX = 0.03  # m under one foot; more is H: see feet land on edges
+SLOPING = 1.1  # times what an even slope gives a foot of relief; more is no slope
 RISE_MAX = 0.30  # m above the ground around; taller is P: see legs hit what they cannot step on
 RISE_WINDOW = 1.0  # m, side of the square that counts as "the ground around"
 
@@ -203,11 +204,26 @@ def kinds(
     reach = _foot_cells(machine, cell)
     high = _spread_max(np.where(solid, heights, -np.inf), reach)
     low = -_spread_max(np.where(solid, -heights, -np.inf), reach)
-    rough = (high - low > RELIEF_MAX) | (_spread_max(holes.astype(np.float64), reach) > 0.0)
+    rough = (high - low > _relief_allowed(np.where(solid, heights, np.nan), reach)) | (_spread_max(holes.astype(np.float64), reach) > 0.0)
     steep = _slope(heights, solid, cell) > math.tan(SLOPE_MAX)
     tall = heights - _mean_around(np.where(solid, heights, np.nan), max(1, round(RISE_WINDOW / cell / 2))) > RISE_MAX
     low_kinds = holes | (solid & (rough | steep))
     return np.asarray(low_kinds * np.uint8(Kind.H) + (solid & tall) * np.uint8(Kind.P), dtype=np.uint8)
+
+
+def _relief_allowed(heights: NDArray[np.float64], reach: int) -> NDArray[np.float64]:
+    """Relief a foot may stand on at every cell, m: ``RELIEF_MAX``, or what an even slope has under it.
+
+    The slope is the lesser of before and behind, so that the riser of a step is none; nor is what goes up or down both ways.
+    """
+    even = np.zeros(heights.shape)
+    for axis in (0, 1):
+        if heights.shape[axis] < 3:
+            continue
+        h, total = np.moveaxis(heights, axis, 0), np.moveaxis(even, axis, 0)
+        before, behind = h[2:] - h[1:-1], h[1:-1] - h[:-2]
+        total[1:-1] += np.where(before * behind > 0.0, np.minimum(np.abs(before), np.abs(behind)), 0.0)
+    return np.maximum(RELIEF_MAX, SLOPING * 2 * reach * even)
 
 
 def _slope(heights: NDArray[np.float64], solid: NDArray[np.bool_], cell: float) -> NDArray[np.float64]:
@@ -228,7 +244,8 @@ def _slope(heights: NDArray[np.float64], solid: NDArray[np.bool_], cell: float) 
 def classify(heights: NDArray[np.float64], cell: float, machine: Machine) -> NDArray[np.bool_]:
     """Where ``machine`` must not land, from heights alone: the step from G-type to HP-type terrain (H §2.3).
 
-    H: no ground, slope over 35 degrees, or more than 0.03 m of relief under the foot; P: over 0.30 m above the ground around.
+    H: no ground, slope over 35 degrees, or more than 0.03 m of relief under the foot that is no even slope; P: over 0.30 m above
+    the ground around.
     """
     holes = np.isnan(heights)
     if holes.all():
@@ -240,7 +257,7 @@ def classify(heights: NDArray[np.float64], cell: float, machine: Machine) -> NDA
     high = _spread_max(np.where(holes, -np.inf, heights), reach)
     low = -_spread_max(np.where(holes, np.inf, -heights), reach)  # a hole under the foot's rim makes relief infinite
     with np.errstate(invalid="ignore"):  # nothing but holes under the foot: −inf less −inf
-        rough = ~(high - low <= RELIEF_MAX)
+        rough = ~(high - low <= _relief_allowed(heights, reach))
     filled = np.where(holes, np.nanmean(heights), heights)
     slope_y, slope_x = (np.gradient(filled, cell, axis=axis) if filled.shape[axis] > 1 else np.zeros_like(filled) for axis in (0, 1))
     steep = np.hypot(slope_x, slope_y) > math.tan(SLOPE_MAX)

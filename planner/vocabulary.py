@@ -93,7 +93,8 @@ class Stance:
     ``feet`` are foot tips, in leg order. ``last_swing`` is u of the step before, −1 when none. ``quarter_turns`` is n of
     H table 1, kept for the hysteresis at α_c, −1 when none yet. ``lifted`` are legs that stay in the air across the
     switch (K only). ``course`` is the distance already walked on the trace. ``still``
-    counts the steps since the body last got on (the lookahead's guard against walking on the spot).
+    counts the steps since the body last got on (the lookahead's guard against walking on the spot). ``lean`` is the gradient
+    of the body's floor along absolute x and y; (0, 0) is level.
     """
 
     body: tuple[float, float, float, float]  # x, y, z, yaw
@@ -103,6 +104,7 @@ class Stance:
     lifted: tuple[int, ...] = ()
     course: float = 0.0
     still: int = 0
+    lean: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -111,7 +113,8 @@ class StepPlan:
 
     In the absolute frame a supporting foot does not move and a rising foot rises vertically (H §4.5). The swing foot's last
     knot is what it *aims* at: h_up below the expected ground, so that touch decides (H §4.5); ``end`` holds the
-    stance expected at N_{k+1}, with the foot on the ground at its landing point J_u.
+    stance expected at N_{k+1}, with the foot on the ground at its landing point J_u. The body leans over evenly from ``lean`` to
+    that of ``end``.
     """
 
     swing: tuple[int, ...]  # legs in the air: u [H], i1..ik [K]; () is a four-leg shift
@@ -129,6 +132,7 @@ class StepPlan:
     speed_max: float = 0.0  # v_max of this step, H §7 (28) without the command, m/s
     search_start: Point | None = None  # I_u
     landing: Point | None = None  # J_u of the first swing leg
+    lean: tuple[float, float] | None = None  # at its beginning; None: as at its end
     decision: dict[str, Any] | None = None  # why: filled only when asked
 
     def __post_init__(self) -> None:

@@ -28,9 +28,10 @@ from .emergent import (
     felt_ahead,
     motion,
 )
+from .lean import LEVEL, leaned, leaning, unleaned
 from .machine import Machine
 from .poses import Choosing, Poses, regroup, sit, stand
-from .reflex import Gains, Playback, ReflexState, holding_plan, reflex
+from .reflex import Gains, Playback, ReflexState, attitude_of, holding_plan, reflex
 from .settle import settle_together
 from .terrain import TerrainMap
 from .vocabulary import POSTURES, TICK, Blocked, Command, Gait, Mode, Phase, Point, Sensing, Stance, StepPlan
@@ -354,6 +355,12 @@ class Walk:
             self._pose_ground = terrain
             self._forget()
         stance = self.stance = self._actual(sensing, self.stance)
+        upright: Poses = ()
+        if stance.lean != LEVEL:
+            levelling = leaned(stance, LEVEL, self.machine)
+            if levelling is None:
+                return self._give_up(Blocked("the legs cannot level the body here: drive on first"))
+            upright, stance = (levelling,), levelling.end
         answer: Poses | Blocked | None
         if self.wanted == "sit":
             answer = sit(stance, terrain, self.machine, self.gait)
@@ -367,7 +374,7 @@ class Walk:
             self.posture = "stand" if self.low and self.wanted == "standard" else self.wanted
             self.low = self.low or self.wanted == "sit"
             self.blocked = None
-            self._poses = answer
+            self._poses = (*upright, *answer)
             self._play_pose()
 
     def _regrouped(self, stance: Stance, terrain: TerrainMap) -> Poses | Blocked | None:
@@ -455,11 +462,12 @@ class Walk:
             return
         here = self._actual(sensing, plan.end)
         self._forget()
-        settling = settle_together(here, airborne, terrain, self.machine, self.gait)
+        frame = leaning(here, terrain, self.machine)
+        settling = settle_together(frame.stance, airborne, frame.terrain, frame.machine, self.gait)
         if isinstance(settling, Blocked):
             self._hover(settling)
         else:
-            self._play(settling, "settle")
+            self._play(frame.restored(settling, here), "settle")
 
     def _hover(self, why: Blocked) -> None:
         """Hold everything, one foot in the air on three that carry: there is no ground for it here. Driving on resumes."""
@@ -577,7 +585,7 @@ class Walk:
         if encounter.state is State.CLIMB:
             free = self._felt_towards(encounter, sensing) is None
             here = self._actual(sensing, self.plan.end)
-            high = at_top(here, encounter.leg, self.machine) or encounter.hits >= HITS_MAX
+            high = at_top(unleaned(here), encounter.leg, self.machine) or encounter.hits >= HITS_MAX
             return Event.TOP if high and not free else Event.CLEAR if free else Event.DONE
         return Event.NO_GROUND if phase is Phase.DOWN else Event.DONE
 
@@ -592,16 +600,21 @@ class Walk:
             found = replace(encounter, state=State.PLACE)
             self._shunned |= cells_near(here.feet[encounter.leg], SHY * encounter.misses, terrain)
             searched = terrain.forbid(self._learnt | self._shunned)
-            answer = motion(found, Situation(here, bearing, searched, self.machine, self.gait))
+            answer = self._motion(found, here, bearing, searched)
             encounter = encounter.after(Event.NOTHING if isinstance(answer, Blocked) else Event.FOUND)
         else:
-            answer = motion(encounter, Situation(here, bearing, terrain, self.machine, self.gait))
+            answer = self._motion(encounter, here, bearing, terrain)
         if isinstance(answer, Blocked):
             self.kind, self.encounter = "emergent", encounter
             self._hover(answer)
         else:
             self._play(answer, "emergent")
             self.encounter = encounter
+
+    def _motion(self, encounter: Encounter, here: Stance, bearing: float | None, terrain: TerrainMap) -> StepPlan | Blocked:
+        frame = leaning(here, terrain, self.machine)
+        answer = motion(encounter, Situation(frame.stance, bearing, frame.terrain, frame.machine, self.gait))
+        return frame.restored(answer, here) if isinstance(answer, StepPlan) else answer
 
     def _learn(self, event: Event, leg: int, sensing: Sensing, bearing: float | None, terrain: TerrainMap) -> None:
         """What touch has shown is no ground: one cell, or a rectangle along an edge whose direction was felt."""
@@ -659,7 +672,7 @@ class Walk:
     def _arrived(self, sensing: Sensing) -> Stance:
         """The stance at N_{k+1}: the plan's end when all went as planned up to this tick, in which the last of the way is still to go."""
         end, now = self.plan.end, self.playback.body_at(self.t)
-        actual = self._actual(sensing, replace(end, body=now))
+        actual = self._actual(sensing, replace(end, body=now, lean=self.playback.lean_at(self.t)))
         return end if actual.body == now and actual.feet == end.feet else actual
 
     def _actual(self, sensing: Sensing, expected: Stance) -> Stance:
@@ -667,6 +680,12 @@ class Walk:
         x, y, z, roll, pitch, yaw = sensing.body
         feet = feet_absolute(sensing)
         ex, ey, ez, eyaw = expected.body
+        lean = self.playback.lean_at(self.t)
+        if lean != expected.lean:
+            expected = replace(expected, lean=lean)
+        if self.playback.leans:
+            wanted_roll, wanted_pitch = attitude_of(lean, yaw)
+            roll, pitch = roll - wanted_roll, pitch - wanted_pitch
         off = max(abs(x - ex), abs(y - ey), abs(z - ez), abs(yaw - eyaw), abs(roll), abs(pitch))
         for foot, wanted in zip(feet, expected.feet, strict=True):
             off = max(off, abs(foot[0] - wanted[0]), abs(foot[1] - wanted[1]), abs(foot[2] - wanted[2]))

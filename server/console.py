@@ -83,7 +83,8 @@ def given_trace(scenario: Scenario, machine: Machine) -> Sampled | None:
 def stance_at_start(scenario: Scenario, machine: Machine, gait: Gait, height_at: Callable[[float, float], float]) -> Stance:
     """The posture a scenario begins in: that of its planner, or its own feet. Raises ``ScenarioError``."""
     if scenario.start.feet is None:
-        return brain.start_stance(scenario.planner, machine, gait, first_crab_angle(scenario), scenario.start_pose, height_at)
+        course, pose = first_crab_angle(scenario), scenario.start_pose
+        return brain.start_stance(scenario.planner, machine, gait, course, pose, height_at, scenario.mode)
     try:
         return stance_on(machine, gait, scenario.start.feet, *scenario.start_pose, height_at)
     except ValueError as error:
@@ -142,7 +143,14 @@ class Halt:
     """Stop in whatever posture it is being taken to; a walking machine holds by its command."""
 
 
-Request = Reset | Load | Edit | Push | Pose | Halt
+@dataclass(frozen=True)
+class Follow:
+    """Keep the body level, or let it follow the ground as far as strides allow, from the next step planned on."""
+
+    attitude: str  # level | ground
+
+
+Request = Reset | Load | Edit | Push | Pose | Halt | Follow
 
 
 class Console:
@@ -166,7 +174,7 @@ class Console:
         wanted = world.scenario.noise
         noise = None if wanted is None else Noise(wanted.position, wanted.posture)
         self.plant = Plant(world.machine, world.ground, world.stance, noise=noise, rng=np.random.default_rng(world.scenario.seed))
-        layout = partial(brain.start_stance, world.scenario.planner, world.machine, world.gait)
+        layout = partial(brain.start_stance, world.scenario.planner, world.machine, world.gait, mode=world.scenario.mode)
         course = first_crab_angle(world.scenario)
         self.walk = Walk(world.machine, world.gait, world.stance, self._thinker(world), Gains(), layout=layout, crab_angle=course)
         self.command = HOLD
@@ -183,17 +191,15 @@ class Console:
         scenario = world.scenario
         if scenario.planner == "trace":
             return brain.trace_brain(world.machine, world.gait, world.course, scenario.gait.rigid, explain=self.explain)
-        think = brain.crab_brain(scenario.mode, world.machine, world.gait, explain=self.explain)
-        if not scenario.detours or scenario.mode == "naive":
-            return think
-        return partial(self._along_a_route, think)
+        via = self._along_a_route if scenario.detours and scenario.mode != "naive" else None
+        return brain.crab_brain(scenario.mode, world.machine, world.gait, scenario.attitude, via, explain=self.explain)
 
-    def _along_a_route(self, think: Think, stance: Stance, command: Command, terrain: TerrainMap) -> Thinking:
+    def _along_a_route(self, think: Think, machine: Machine, stance: Stance, command: Command, terrain: TerrainMap) -> Thinking:
         """Level B1, then B2 to B4 on the course it gives; where they find no step B1 is asked for another."""
         command = replace(command, speed=self.command.speed)
         cautious, refused, first = self.world.scenario.sensing == "eye", list[float](), None
         for _ in range(COURSES_MAX):
-            steered, route, why = plan_route(self.route, command, stance, terrain, self.world.machine, refused, cautious)
+            steered, route, why = plan_route(self.route, command, stance, terrain, machine, refused, cautious)
             answer = why or (yield from think(stance, steered, terrain))
             first = first or (route, answer)
             if isinstance(answer, StepPlan):
@@ -324,6 +330,8 @@ class Console:
             if not self.walk.posing:
                 return
             self.walk.halt()
+        elif isinstance(request, Follow):
+            brain.take_attitude(self.walk.think, request.attitude)
         if self.on_input is not None:
             self.on_input(self.tick_count, request)
         if isinstance(request, Reset):
@@ -467,6 +475,7 @@ class Console:
             course=brain.course_of(walk.think, walk.stance, running, (x, y, z, yaw), world.machine.yaw_length),
             ahead=self._ahead(running),
             posture=walk.posture,
+            attitude=brain.attitude_of(walk.think),
             decision=walk.blocked.decision if walk.blocked is not None else walk.plan.decision if walk.kind != "stand" else None,
         )
 

@@ -13,11 +13,12 @@ from typing import Any
 
 import numpy as np
 
+from planner.attitude import KINDS
 from planner.crab.measures import off_standard
 from planner.vocabulary import POSTURES, Command, Mode, StepPlan
 from planner.walk import DT
 
-from .console import Console, Edit, Halt, Load, Pose, Push, Reset
+from .console import Console, Edit, Follow, Halt, Load, Pose, Push, Reset
 
 SCHEMA = 1
 MODES = {mode.name.lower(): int(mode) for mode in Mode}
@@ -179,6 +180,8 @@ def input_record(given: object) -> dict[str, Any]:
         return {"input": "pose", **asdict(given)}
     if isinstance(given, Halt):
         return {"input": "halt"}
+    if isinstance(given, Follow):
+        return {"input": "attitude", **asdict(given)}
     if isinstance(given, Reset):
         return {"input": "reset"}
     if isinstance(given, Load):
@@ -186,7 +189,7 @@ def input_record(given: object) -> dict[str, Any]:
     raise TypeError(f"unknown input {given!r}")
 
 
-def input_from(record: dict[str, Any]) -> Command | Edit | Push | Pose | Halt | Reset:
+def input_from(record: dict[str, Any]) -> Command | Edit | Push | Pose | Halt | Follow | Reset:
     """The inverse of ``input_record``; raises ``ValueError`` for what a replay cannot feed."""
     kind = record.get("input")
     if kind == "command":
@@ -201,9 +204,13 @@ def input_from(record: dict[str, Any]) -> Command | Edit | Push | Pose | Halt | 
         return Pose(record["posture"])
     if kind == "halt":
         return Halt()
+    if kind == "attitude":
+        if record["attitude"] not in KINDS:
+            raise ValueError(f"unknown attitude {record['attitude']!r:.80}; there are: {', '.join(KINDS)}")
+        return Follow(record["attitude"])
     if kind == "reset":
         return Reset()
-    raise ValueError(f"unknown input {kind!r}; there are: command, edit, push, pose, halt, reset")
+    raise ValueError(f"unknown input {kind!r}; there are: command, edit, push, pose, halt, attitude, reset")
 
 
 def _finite(value: Any) -> float:

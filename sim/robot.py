@@ -39,6 +39,7 @@ EXACT = 1e-12  # a lean or a height that changes by less does not change
 LEG_STIFFNESS = 32_000.0  # N/m sideways: an estimate; titan3's feet give 5 mm before they slip. Softer: see feet slip later
 ROUNDING = 1e-9  # m²; a body on the very edge of its polygon is not outside it
 STEEP = 0.9  # of the friction: ground that pulls less holds without a look at the contact world
+RESTS_MAX = 8  # times a body that tilts is laid on its feet in a tick: each leaves a hundredth of the error, or less
 ON_GROUND = 0.005  # m; a foot of the start stance this near the ground stands on it
 
 Step = tuple[float, float, float]  # m in one tick, body axes
@@ -443,23 +444,26 @@ class Plant:
 
     def _rest(self) -> None:
         """Lay the body on its feet; feet that then hang by more than a sole gives are let go."""
-        x, y, z, roll, pitch, yaw = self.body
-        now = Rest(z, *lean(self._turned))
-        polygon = support_polygon(self.feet[leg] for leg in self._carry)
-        if len(polygon) < 3:
-            return
-        px, py = nearest_inside(polygon, *self._load_point())
-        feet = [(self.feet[leg][0] - x, self.feet[leg][1] - y, self.feet[leg][2]) for leg in self._carry]
-        lengths = [self._legs[leg][2] for leg in self._carry]
-        laid = rest(feet, lengths, px - x, py - y, now)
-        if laid is None:
-            return
-        self.body[2] = z = laid.z if abs(laid.z - z) > EXACT else z
-        if abs(laid.lean_x - now.lean_x) > EXACT or abs(laid.lean_y - now.lean_y) > EXACT:
+        for _ in range(RESTS_MAX):
+            x, y, z, roll, pitch, yaw = self.body
+            now = Rest(z, *lean(self._turned))
+            polygon = support_polygon(self.feet[leg] for leg in self._carry)
+            if len(polygon) < 3:
+                return
+            px, py = nearest_inside(polygon, *self._load_point())
+            feet = [(self.feet[leg][0] - x, self.feet[leg][1] - y, self.feet[leg][2]) for leg in self._carry]
+            lengths = [self._legs[leg][2] for leg in self._carry]
+            laid = rest(feet, lengths, px - x, py - y, now)
+            if laid is None:
+                return
+            self.body[2] = z = laid.z if abs(laid.z - z) > EXACT else z
+            if abs(laid.lean_x - now.lean_x) <= EXACT and abs(laid.lean_y - now.lean_y) <= EXACT:
+                break
             level = abs(laid.lean_x) < EXACT and abs(laid.lean_y) < EXACT
             roll, pitch = (0.0, 0.0) if level else attitude(laid.lean_x, laid.lean_y, yaw)
             self._turn_to(x, y, yaw, roll, pitch)
-            self._follow()  # a body that tilts goes sideways over its feet
+            self._follow()  # a body that tilts goes sideways over its feet, and there lies a little higher or lower
+        assert laid is not None
         stretch = 1.0 / self._turned[8]
         for leg, (ex, ey, height), length in zip(tuple(self._carry), feet, lengths, strict=True):
             gap = laid.z - laid.lean_x * ex - laid.lean_y * ey - height + stretch * length

@@ -232,6 +232,7 @@ class Scenario(_Table):
     robot: str = Field(default="titan3", min_length=1, max_length=500)
     planner: Literal["crab", "trace"] = "crab"
     mode: Literal["naive", "paper", "predictive"] = DEFAULT_MODE  # naive: only to show what H fig. 6(c) shows
+    attitude: Literal["level", "ground"] = "level"  # of the body: level, or leaning with the ground as far as strides allow
     sensing: Literal["known", "eye", "none"] = "known"
     unknown: Literal["flat", "forbidden"] = "flat"
     detours: bool = True  # Level B1 goes round what cannot be crossed; false: the commanded course and no other
@@ -256,9 +257,16 @@ class Scenario(_Table):
             raise ValueError("give either [[drive]] or [trace], not both")
         if self.trace is not None and self.planner != "trace":
             raise ValueError('[trace] needs planner = "trace"; the crab planner takes [[drive]]')
+        if self.attitude != "level" and not self.may_lean:
+            raise ValueError(f'attitude = "{self.attitude}" needs planner = "crab" and mode = "predictive"')
         if self.planner == "crab" and (self.gait.duty_factor or 1.0) < CRAB_DUTY_MIN:
             raise ValueError(f"gait.duty_factor of the crab gait must be at least {CRAB_DUTY_MIN:g}, got {self.gait.duty_factor:g}")
         return self
+
+    @property
+    def may_lean(self) -> bool:
+        """True when its planner knows how to let the body follow the ground."""
+        return self.planner == "crab" and self.mode == "predictive"
 
     @property
     def base(self) -> Path | None:

@@ -57,6 +57,7 @@ class Snapshot:
     paused: bool
     rate: float  # times real time
     late: float  # s, worst lateness of the walking clock in the last second
+    attitude: str = "level"  # of the body: level, or ground when it is to follow it
     posture: str = "stand"  # the posture it is in, or is being taken to: stand | sit | standard
     course: float = 0.0  # s of the body on its trace, m (trace planner)
     ahead: TraceAhead | None = None  # what the trace walker foresees; the same object until it foresees something else
