@@ -14,7 +14,7 @@ from ..terrain import TerrainMap
 from ..vocabulary import Array, Blocked, Command, Gait, Point, Stance, StepPlan
 from .height import CLEARANCE, body_height, ground_ahead, height_range, lift, torso_needs, torso_needs_exactly
 from .landing import Landing, corners_of, domain_of, ground_of
-from .standard import Posture, Standard, posture_of, standard_for
+from .standard import STRETCH_LEAN, Posture, Standard, posture_of, standard_for
 from .trajectory import Knot, Swing, Timing, knots, speed_limit, timing
 from .turning import plan_turn, turns
 from .xy import STANDING_LEG, Notes, Shift, Step, decide, exits_of
@@ -255,7 +255,7 @@ def _clock(
         g,
         top[2] - swing[0][2],
         over[2] - aim[2],
-        (max(behind, standard.lean), max(beyond, standard.lean)),
+        (max(behind, STRETCH_LEAN), max(beyond, STRETCH_LEAN)),
         command.speed,
         lambda: _cruise(machine, gait, standard.duty_factor, standard.stride, course),
     )

@@ -52,7 +52,6 @@ class Standard:
     duty_factor: float  # β
     boxes: tuple[Box, ...]  # control reach, canonical legs
     far_boxes: tuple[Box, ...]  # mechanical reach
-    lean: float  # m, kept between the two for vertical lifting
     centres: tuple[XY, ...]  # C_i
     stride: float  # λ*
     margin: float  # s0
@@ -169,7 +168,6 @@ def _standard(machine: Machine, duty_factor: float, crab_angle: float, previous:
         duty_factor=duty_factor,
         boxes=boxes,
         far_boxes=far_boxes,
-        lean=STRETCH_LEAN if stretched else LEAN,
         centres=centres,
         stride=stride,
         margin=standard_margin(stride, duty_factor),

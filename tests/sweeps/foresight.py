@@ -1,6 +1,7 @@
 """Mode ``predictive`` beside ``paper``: from random postures, over random prohibited cells, over rivers, over every kind of ground.
 
-Run: python -m tests.sweeps.foresight postures|cells|rivers|grounds [--count N]. The results are kept in docs/predictive.md.
+Run: python -m tests.sweeps.foresight postures|cells|rivers|grounds [--count N] [--mode M], ``grounds`` also in pieces with
+[--kind K ...] [--first SEED]. The results are kept in docs/predictive.md.
 One process, no simulation but for ``grounds``: plans are chained, each from the stance the one before ends in.
 """
 
@@ -11,6 +12,7 @@ import math
 import statistics
 import time
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 
@@ -32,7 +34,15 @@ STEPS_BACK, STEPS_AFTER = 60, 12  # steps given to find the standard walk, and t
 ANGLES = (0, 20, 45, 90, 150)  # degrees
 FRACTIONS = (0.3, 0.5, 0.8)
 FIRST_SEED = 9000  # not used for tuning
-KINDS = ("slope", "rough", "stairs", "block", "river", "holes", "footholds", "poles", "gap", "pit", "stepping_stones", "wave")
+CHANCE = ("rough", "holes", "footholds", "poles", "stepping_stones")  # kinds that the seed changes; on the others it moves the start
+FIXED = ("slope", "stairs", "block", "river", "gap", "pit", "wave")
+STONES = 'kind="stepping_stones", size=0.15, spacing=0.15, jitter=0.0'
+GROUNDS: dict[str, tuple[str, float]] = {  # name: terrain, course in degrees
+    **{kind: (f'kind="{kind}", difficulty=0.8', 0.0) for kind in (*FIXED, *CHANCE)},
+    **{f"stones-{degrees}": (STONES, float(degrees)) for degrees in (0, 45, 90)},
+}
+START_STEP = 0.01  # m between the starts of two seeds
+PLACES = 0.5  # m over which rivers are spread: longer than a cycle of the walk
 
 Planner = Callable[[Stance, Command, TerrainMap, Gait], StepPlan | Blocked]
 MODES: dict[str, Planner] = {
@@ -60,13 +70,13 @@ def plans(mode: str, stance: Stance, command: Command, terrain: TerrainMap, gait
         stance = plan.end
 
 
-def postures(count: int) -> None:
+def postures(count: int, modes: tuple[str, ...] = tuple(MODES)) -> None:
     """Reachable, statically stable postures on open ground, any α, β in [0.75, 0.9]: steps until every margin is s0."""
     span = 40.0
     terrain = level(np.zeros((800, 800), dtype=bool), span)
     print("| mode | postures | reach the standard walk | within 16 steps | median | 95 % | most | longest run with g = 0 |")
     print("|---|---|---|---|---|---|---|---|")
-    for mode in MODES:
+    for mode in modes:
         rng = np.random.default_rng(FIRST_SEED)
         taken, still_most = [], 0
         for _ in range(count):
@@ -106,13 +116,13 @@ def steps_to_standard(mode: str, stance: Stance, command: Command, terrain: Terr
     return None, still_most
 
 
-def cells(count: int) -> None:
+def cells(count: int, modes: tuple[str, ...] = tuple(MODES)) -> None:
     """A fraction of 5 cm cells prohibited at random: way per step against level open ground, 100 steps a walk."""
     angles = " | ".join(f"{angle}°" for angle in ANGLES)
     print(f"| prohibited | mode | {angles} | mean | worst walk | least margin, mm | stuck | planning, ms: median, 95 % |")
     print("|---" * (len(ANGLES) + 7) + "|")
     for fraction in FRACTIONS:
-        for mode in MODES:
+        for mode in modes:
             shares: dict[int, list[float]] = {angle: [] for angle in ANGLES}
             seconds: list[float] = []
             margin, stuck = math.inf, 0
@@ -153,14 +163,14 @@ def cell_walk(mode: str, degrees: float, fraction: float, seed: int, steps: int 
     return way / steps / (standard.stride / (4 * gait.duty_factor)), margin, stuck, seconds
 
 
-def rivers(count: int) -> None:
+def rivers(count: int, modes: tuple[str, ...] = tuple(MODES)) -> None:
     """Bottomless strips across the way, at ``count`` places each: how many are crossed."""
-    print("| width, m | course | paper | predictive |")
-    print("|---|---|---|---|")
-    for width in (0.2, 0.3, 0.35, 0.4, 0.45, 0.5):
+    print("| width, m | course | " + " | ".join(modes) + " |")
+    print("|---|---|" + "---|" * len(modes))
+    for width in (0.2, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55):
         for degrees in (0, 20, 90):
-            crossed = [sum(crosses(mode, width, 0.9 + 0.5 * k / count, degrees) for k in range(count)) for mode in MODES]
-            print(f"| {width} | {degrees}° | {crossed[0]} of {count} | {crossed[1]} of {count} |", flush=True)
+            crossed = [sum(crosses(mode, width, 0.9 + PLACES * k / count, degrees) for k in range(count)) for mode in modes]
+            print(f"| {width} | {degrees}° | " + " | ".join(f"{n} of {count}" for n in crossed) + " |", flush=True)
 
 
 def crosses(mode: str, width: float, at: float, degrees: float) -> bool:
@@ -170,45 +180,88 @@ def crosses(mode: str, width: float, at: float, degrees: float) -> bool:
     terrain = level((wet.T if degrees == 90 else wet).copy(), span)
     stance = standard_stance(TITAN, gait, command.crab_angle, 0.0, 0.0, 0.0, lambda x, y: 0.0)
     for index, (plan, _) in enumerate(plans(mode, stance, command, terrain, gait)):
-        if isinstance(plan, Blocked) or index == 60:
+        if isinstance(plan, Blocked) or index == 80:
             return False
         if plan.end.body[1 if degrees == 90 else 0] > at + width + 1.0:
             return True
     return False
 
 
-def grounds(count: int) -> None:
-    """Every generated kind at difficulty 0.8, simulated: walks of 4 m that come to their end with nothing amiss."""
-    print("| kind | paper | predictive | what ended the others (predictive) |")
-    print("|---|---|---|---|")
-    for kind in KINDS:
-        good, why = [], {}
-        for mode in MODES:
-            fine = 0
-            for seed in range(FIRST_SEED, FIRST_SEED + count):
-                settings = [f"mode={mode}", f'terrain={{kind="{kind}", difficulty=0.8}}', f"seed={seed}", "end={time=240.0, distance=4.0}"]
-                summary = run(load_scenario("flat", [*settings, "expect={}", "drive=[{t=0.0, speed=0.06}]"]))
-                amiss = summary["falls"] or summary["forbidden_steps"] or (summary["margin_min"] or 0.0) < -LOWER
-                if summary["distance"] >= 3.99 and not amiss:
-                    fine += 1
-                elif mode == "predictive":
-                    reason = "fell" if summary["falls"] else "margin" if amiss else summary["reason"][:60]
-                    why[reason] = why.get(reason, 0) + 1
-            good.append(fine)
-        reasons = "; ".join(f"{n} x {reason}" for reason, n in sorted(why.items(), key=lambda item: -item[1])[:3])
-        print(f"| {kind} | {good[0]} of {count} | {good[1]} of {count} | {reasons} |", flush=True)
+def grounds(count: int, modes: tuple[str, ...] = tuple(MODES), kinds: tuple[str, ...] = tuple(GROUNDS), first: int = FIRST_SEED) -> None:
+    """Every generated kind at difficulty 0.8, and narrow stones, simulated: walks of 4 m that come to their end with nothing amiss."""
+    print("| ground | mode | seeds | fine | m/s | least margin, mm | times real time | what ended the others |")
+    print("|---" * 8 + "|")
+    for kind in kinds:
+        for mode in modes:
+            why: dict[str, list[int]] = {}
+            speeds, margin, simulated, began = [], math.inf, 0.0, time.process_time()
+            for seed in range(first, first + count):
+                summary = run(load_scenario("flat", settings_for(kind, mode, seed)))
+                simulated += summary["seconds"]
+                margin = min(margin, summary["margin_min"] or 0.0)
+                reason = fault(summary)
+                if reason is None:
+                    speeds.append(summary["mean_speed"])
+                else:
+                    why.setdefault(reason, []).append(seed)
+            pace = f"{statistics.median(speeds):.3f}" if speeds else "–"
+            reasons = "; ".join(f"{len(seeds)} x {reason} (seed {seeds[0]})" for reason, seeds in sorted(why.items(), key=_most)[:4])
+            row = [kind, mode, f"{first}–{first + count - 1}", f"{len(speeds)} of {count}", pace, f"{1e3 * margin:.1f}"]
+            print("| " + " | ".join([*row, f"{simulated / (time.process_time() - began):.0f}", reasons]) + " |", flush=True)
 
 
-SWEEPS = {"postures": (postures, 10_000), "cells": (cells, 10), "rivers": (rivers, 10), "grounds": (grounds, 50)}
+def settings_for(kind: str, mode: str, seed: int) -> list[str]:
+    """One walk of ``grounds``: where the seed changes nothing in the ground it moves the start along the course and, less, across."""
+    terrain, degrees = GROUNDS[kind]
+    moved = 0.0 if kind in CHANCE else START_STEP * (seed % 50)
+    x, y = (-moved if kind in FIXED else moved), (0.0 if kind in FIXED else 0.3 * moved)
+    return [
+        f"mode={mode}",
+        f"terrain={{{terrain}}}",
+        f"seed={seed}",
+        f"start={{x={x:.3f}, y={y:.3f}}}",
+        "end={time=240.0, distance=4.0}",
+        "expect={}",
+        f"drive=[{{t=0.0, speed=0.06, crab_angle_deg={degrees}}}]",
+    ]
+
+
+def fault(summary: dict[str, Any]) -> str | None:
+    """What is amiss with a walk; None when nothing is."""
+    if summary["falls"]:
+        return "fell"
+    if summary["forbidden_steps"]:
+        return "stepped on a prohibited cell"
+    if (summary["margin_min"] or 0.0) < -LOWER:
+        return "margin below zero"
+    return None if summary["distance"] >= 3.99 else str(summary["reason"])[:110]
+
+
+def _most(entry: tuple[str, list[int]]) -> int:
+    return -len(entry[1])
+
+
+SWEEPS: dict[str, tuple[Callable[..., None], int]] = {
+    "postures": (postures, 10_000),
+    "cells": (cells, 10),
+    "rivers": (rivers, 50),
+    "grounds": (grounds, 50),
+}
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("sweep", choices=SWEEPS)
     parser.add_argument("--count", type=int, help="postures, seeds or places")
+    parser.add_argument("--mode", choices=MODES, action="append", help="only this mode; may be given more than once")
+    parser.add_argument("--kind", choices=GROUNDS, action="append", help="grounds: only this one; may be given more than once")
+    parser.add_argument("--first", type=int, default=FIRST_SEED, help="grounds: the first seed")
     given = parser.parse_args()
     sweep, count = SWEEPS[given.sweep]
-    sweep(given.count or count)
+    pieces: dict[str, Any] = {"modes": tuple(given.mode or MODES)}
+    if given.sweep == "grounds":
+        pieces |= {"kinds": tuple(given.kind or GROUNDS), "first": given.first}
+    sweep(given.count or count, **pieces)
 
 
 if __name__ == "__main__":

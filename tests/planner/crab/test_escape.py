@@ -1,0 +1,102 @@
+"""Ways out where no step gets on along the course: legs stretched to the mechanical limit, a step back, another course."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from crab_walks import TITAN, command, gait, look_at
+
+from planner.crab import escape
+from planner.crab.foresee import at_once
+from planner.crab.standard import STRETCH_LEAN, standard_for, standard_stance
+from planner.terrain import TerrainMap
+from planner.vocabulary import Blocked, StepPlan
+
+
+def far_reaching(machine):
+    """The machine as a stretched walk takes it: control reach as wide as the mechanism, less what lifting needs."""
+    dx, dy, dz = machine.overreach
+    wider = lambda span, by: (span[0] - by, span[1] + by)  # noqa: E731
+    legs = tuple(replace(leg, x=wider(leg.x, dx - STRETCH_LEAN), y=wider(leg.y, dy - STRETCH_LEAN)) for leg in machine.legs)
+    return replace(machine, legs=legs, overreach=(STRETCH_LEAN, STRETCH_LEAN, dz))
+
+
+FAR = far_reaching(TITAN)
+
+
+def river(width, at, degrees=0, cell=0.025, rim=1):
+    """Level ground with a bottomless strip across the way; ``rim`` cells beside it are forbidden, for a sole would hang over."""
+    count = round(8.0 / cell)
+    middle = (np.arange(count) + 0.5) * cell - 2.0
+    wet, barred = (np.broadcast_to((middle > at - k) & (middle < at + width + k), (count, count)) for k in (0.0, rim * cell))
+    wet, barred = (wet.T, barred.T) if degrees == 90 else (wet, barred)
+    return TerrainMap(np.where(wet, np.nan, 0.0), barred.copy(), cell, (-2.0, -2.0))
+
+
+def walk(order, terrain, until, steps=60, settings=None):
+    """Plans until the body has come so far along the course, each with its decision; ends early with a ``Blocked``."""
+    settings = settings or gait()
+    stance = standard_stance(TITAN, settings, order.crab_angle, 0.0, 0.0, 0.0, terrain.height_at)
+    ux, uy = math.cos(order.crab_angle), math.sin(order.crab_angle)
+    plans = []
+    for _ in range(steps):
+        plan = at_once(stance, order, terrain, TITAN, settings, explain=True)
+        plans.append((stance, plan))
+        if isinstance(plan, Blocked):
+            break
+        stance = plan.end
+        if stance.body[0] * ux + stance.body[1] * uy > until:
+            break
+    return plans
+
+
+def kinds(plans):
+    return [plan.decision.get("escape") for _, plan in plans]
+
+
+def none(*_):
+    """An escape that is not there."""
+    return None
+    yield
+
+
+@pytest.mark.parametrize(("degrees", "width"), [(0, 0.5), (90, 0.35)])
+def test_a_river_wider_than_the_control_reach_is_crossed_with_stretched_legs(degrees, width):
+    """0.5 m between the banks and half a sole, rounded up to a cell and a half, at either: 0.575 m of 0.59 m."""
+    terrain, settings = river(width, 0.8, degrees), gait()
+    plans = walk(command(degrees), terrain, 3.6)
+    assert "stretch" in kinds(plans)
+    for stance, plan in plans:
+        assert isinstance(plan, StepPlan)
+        if plan.swing:
+            look_at(plan, stance, terrain, FAR, settings)
+    assert kinds(plans)[-3:] == [None] * 3, "it does not return to the walk in its control reach"
+    assert all(plan.margin_min >= plan.standard_margin - 0.001 for _, plan in plans[-3:])
+
+
+def test_without_stretching_it_is_the_end_of_the_way(monkeypatch):
+    monkeypatch.setattr(escape, "by_stretching", none)
+    monkeypatch.setattr("planner.crab.foresee.by_stretching", none)
+    plans = walk(command(), river(0.5, 0.8), 2.4)
+    assert isinstance(plans[-1][1], Blocked)
+
+
+def test_a_river_that_the_control_reach_crosses_is_not_stretched_over():
+    plans = walk(command(), river(0.4, 0.8, cell=0.05, rim=0), 2.2)
+    assert isinstance(plans[-1][1], StepPlan) and set(kinds(plans)) == {None}
+
+
+def test_a_river_beyond_the_mechanical_limit_is_not_crossed_and_it_says_why():
+    plans = walk(command(), river(0.55, 0.8), 2.4)
+    answer = plans[-1][1]
+    assert isinstance(answer, Blocked) and "no way on" in answer.reason
+
+
+def test_stretched_legs_reach_their_mechanical_limit_less_what_lifting_needs():
+    for degrees in (0, 90, 200):
+        usual = standard_for(TITAN, gait(), math.radians(degrees))
+        far = standard_for(TITAN, gait(), math.radians(degrees), stretched=True)
+        assert far.far_boxes == usual.far_boxes
+        for box, limit in zip(far.boxes, far.far_boxes, strict=True):
+            assert np.abs(np.subtract(box, limit)) == pytest.approx(STRETCH_LEAN)
