@@ -37,7 +37,7 @@ from sim.snapshot import TerrainView
 from . import messages
 from .canvas import Canvas, clean_query
 from .clock import WalkingClock
-from .console import EDIT_CELLS_MAX, Edit, World, prepare
+from .console import EDIT_CELLS_MAX, Edit, Follow, World, prepare
 from .door import COOKIE, Door, problem
 from .headless import product_version
 from .messages import (
@@ -362,6 +362,15 @@ def _add_console(app: FastAPI, desk: Desk) -> None:
         if why:
             raise Refusal(409, why)
         return {"tick": clock.newest.tick, "posture": body.posture}
+
+    @app.put("/api/v1/console/attitude", tags=tags, status_code=202)
+    async def attitude(body: messages.AttitudeBody) -> dict[str, Any]:
+        """The body level, or leaning with the ground. Refused (409) for a planner that walks level only."""
+        now = clock.newest
+        if body.attitude != "level" and not (now.planner == "crab" and now.planner_mode == "predictive"):
+            raise Refusal(409, 'the body follows the ground only with the crab planner in mode "predictive"')
+        clock.request(Follow(body.attitude))
+        return {"tick": now.tick, "attitude": body.attitude}
 
     @app.post("/api/v1/console/stop", tags=tags)
     async def stop() -> dict[str, Any]:

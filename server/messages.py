@@ -72,6 +72,13 @@ class PostureBody(Shape):
     posture: Literal["sit", "stand", "standard"]
 
 
+class AttitudeBody(Shape):
+    """Keep the body level, or let it follow the ground as far as strides allow, from the next step on."""
+
+    model_config = example(attitude="ground")
+    attitude: Literal["level", "ground"]
+
+
 class AdvanceBody(Shape):
     """Walk this many ticks of 20 ms while paused."""
 
@@ -277,7 +284,7 @@ class SnapshotFrame(BaseModel):
             "examples": [
                 {
                     "type": "snapshot", "tick": 4211, "time_s": 84.22, "mode": "return", "posture": "stand", "reason": "",
-                    "scenario": "dem", "robot": "titan3", "planner": "crab", "planner_mode": "paper",
+                    "scenario": "dem", "robot": "titan3", "planner": "crab", "planner_mode": "paper", "attitude": "level",
                     "body": [1.2, 0.0, 0.85, 0.0, 0.0, 0.0],
                     "feet": [[1.7, 0.5, 0.0], [0.8, 0.5, 0.0], [0.8, -0.5, 0.0], [1.7, -0.5, 0.05]], "contact": [True, True, True, False],
                     "support": [True, True, True, False], "crab_angle_rad": 0.0, "speed_m_s": 0.1, "walked_m_s": 0.1, "speed_max_m_s": 0.15,
@@ -298,6 +305,7 @@ class SnapshotFrame(BaseModel):
     robot: str
     planner: str
     planner_mode: str
+    attitude: str = Field(description="of the body: level, or ground when it is to follow it (crab planner, mode predictive)")
     body: list[float] = Field(description="x, y, z in m, roll, pitch, yaw in rad")
     feet: list[list[float]] = Field(description="foot tips, absolute, m")
     contact: list[bool]
@@ -454,6 +462,7 @@ def snapshot_frame(snapshot: Snapshot, *, stopped: bool, fault: str = "") -> dic
         "robot": snapshot.machine.name,
         "planner": snapshot.planner,
         "planner_mode": snapshot.planner_mode,
+        "attitude": snapshot.attitude,
         "body": _figures(snapshot.body),
         "feet": [_figures(foot) for foot in snapshot.feet],
         "contact": list(snapshot.contact),

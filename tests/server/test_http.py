@@ -11,8 +11,9 @@ from fastapi.testclient import TestClient
 from server import messages
 from server.app import Settings, create_app
 from server.clock import WalkingClock
-from server.console import Push
+from server.console import Push, prepare
 from server.door import BODY_MAX
+from sim.scenarios import scenario_from
 
 HERE = "http://127.0.0.1:8000"
 COMMAND = {"crab_angle_rad": 0.0, "speed_m_s": 0.08, "turn_rate_rad_s": 0.0, "ttl_s": 0.5}
@@ -95,6 +96,23 @@ def test_a_machine_that_has_fallen_takes_no_posture(client: TestClient, clock: W
     for _ in range(200):
         clock.beat()
     assert "fallen" in problem_of(client.post("/api/v1/console/posture", json={"posture": "stand"}), 409)["detail"]
+
+
+def test_the_body_follows_the_ground_from_the_next_tick_on(client: TestClient, clock: WalkingClock) -> None:
+    assert client.get("/api/v1/console").json()["attitude"] == "level"
+    for attitude in ("ground", "level"):
+        answer = client.put("/api/v1/console/attitude", json={"attitude": attitude})
+        assert answer.status_code == 202 and answer.json()["attitude"] == attitude
+        clock.beat()
+        assert client.get("/api/v1/console").json()["attitude"] == attitude
+
+
+def test_a_planner_that_walks_level_is_not_told_to_lean(client: TestClient, clock: WalkingClock) -> None:
+    clock.load(prepare(scenario_from({"name": "printed", "mode": "paper"})))
+    clock.beat()
+    assert "predictive" in problem_of(client.put("/api/v1/console/attitude", json={"attitude": "ground"}), 409)["detail"]
+    assert client.put("/api/v1/console/attitude", json={"attitude": "level"}).status_code == 202
+    assert problem_of(client.put("/api/v1/console/attitude", json={"attitude": "askew"}), 422)["field"] == "attitude"
 
 
 def test_a_stop_stays_until_it_is_ended(client: TestClient, clock: WalkingClock) -> None:
