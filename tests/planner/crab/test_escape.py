@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from crab_walks import TITAN, command, gait, look_at
+from crab_walks import TITAN, command, gait, holes, look_at, random_stance
 
-from planner.crab import escape
+from planner.crab import escape, foresee
 from planner.crab.foresee import at_once
 from planner.crab.standard import STRETCH_LEAN, standard_for, standard_stance
 from planner.terrain import TerrainMap
@@ -34,10 +34,10 @@ def river(width, at, degrees=0, cell=0.025, rim=1):
     return TerrainMap(np.where(wet, np.nan, 0.0), barred.copy(), cell, (-2.0, -2.0))
 
 
-def walk(order, terrain, until, steps=60, settings=None):
+def walk(order, terrain, until, steps=60, stance=None):
     """Plans until the body has come so far along the course, each with its decision; ends early with a ``Blocked``."""
-    settings = settings or gait()
-    stance = standard_stance(TITAN, settings, order.crab_angle, 0.0, 0.0, 0.0, terrain.height_at)
+    settings = gait()
+    stance = stance or standard_stance(TITAN, settings, order.crab_angle, 0.0, 0.0, 0.0, terrain.height_at)
     ux, uy = math.cos(order.crab_angle), math.sin(order.crab_angle)
     plans = []
     for _ in range(steps):
@@ -76,8 +76,7 @@ def test_a_river_wider_than_the_control_reach_is_crossed_with_stretched_legs(deg
 
 
 def test_without_stretching_it_is_the_end_of_the_way(monkeypatch):
-    monkeypatch.setattr(escape, "by_stretching", none)
-    monkeypatch.setattr("planner.crab.foresee.by_stretching", none)
+    without_stretching(monkeypatch)
     plans = walk(command(), river(0.5, 0.8), 2.4)
     assert isinstance(plans[-1][1], Blocked)
 
@@ -100,3 +99,41 @@ def test_stretched_legs_reach_their_mechanical_limit_less_what_lifting_needs():
         assert far.far_boxes == usual.far_boxes
         for box, limit in zip(far.boxes, far.far_boxes, strict=True):
             assert np.abs(np.subtract(box, limit)) == pytest.approx(STRETCH_LEAN)
+
+
+# few footholds, and no stretching: what a step back and another course are for
+
+
+def among_few_footholds(seed):
+    """A posture from anywhere in reach on ground of which 98.5 % is forbidden, and a course."""
+    rng = np.random.default_rng(seed)
+    return random_stance(rng), command(float(rng.choice([0, 90, 20]))), holes(0.985, seed=seed, span=8.0)
+
+
+def without_stretching(monkeypatch):
+    monkeypatch.setattr(escape, "by_stretching", none)
+    monkeypatch.setattr(foresee, "by_stretching", none)
+
+
+@pytest.mark.parametrize("seed", [170, 274, 332, 678])
+def test_a_course_within_the_cone_is_taken_where_the_commanded_one_ends(seed, monkeypatch):
+    without_stretching(monkeypatch)
+    stance, order, terrain = among_few_footholds(seed)
+    plan = at_once(stance, order, terrain, TITAN, gait(), explain=True)
+    assert isinstance(plan, StepPlan) and plan.decision["escape"] == "cone"
+    aside = abs(math.degrees(plan.crab_angle - order.crab_angle))
+    assert not plan.swing or aside in (pytest.approx(15.0, abs=0.6), pytest.approx(30.0, abs=0.6))
+    monkeypatch.setattr(escape, "CONE", ())
+    assert isinstance(at_once(stance, order, terrain, TITAN, gait()), Blocked)
+
+
+@pytest.mark.parametrize("seed", [795, 839])
+def test_a_step_back_leads_past_where_the_walk_would_end(seed, monkeypatch):
+    without_stretching(monkeypatch)
+    stance, order, terrain = among_few_footholds(seed)
+    plans = walk(order, terrain, 0.2, steps=8, stance=stance)
+    assert kinds(plans)[0] == "back" and plans[0][1].shift > 0.0
+    assert math.cos(plans[0][1].crab_angle - order.crab_angle) < -0.99
+    assert all(isinstance(plan, StepPlan) for _, plan in plans)
+    monkeypatch.setattr(escape, "_by_a_step_back", none)
+    assert isinstance(walk(order, terrain, 0.2, steps=8, stance=stance)[-1][1], Blocked)
