@@ -6,6 +6,7 @@ const SOONEST = 16;       // ms between two frames: the server allows 100 a seco
 const PAGE_SILENT = 500;  // ms without a sign of life from the page after which the machine holds
 const SETTLE = 400;       // ms for which a released stick is still repeated as zero
 const IDLE_RELEASE = 6000; // ms at rest after which others may drive
+const POSING = ["sit_down", "stand_up", "regroup"]; // modes in which letting go of the lease would stop the machine half-way
 
 const REST = { crab_angle_rad: 0, speed_m_s: 0, turn_rate_rad_s: 0 };
 
@@ -53,6 +54,12 @@ function letGo() {
   restSince = -Infinity;
 }
 
+function pose(posture) {
+  command = REST;
+  restSince = now() - SETTLE;
+  say({ type: "posture", seq: sequence++, echo_tick: tick, posture });
+}
+
 function beat() {
   const time = now();
   if (!rests(command) && time - pageSeen > PAGE_SILENT) obey(REST); // its next sign of life says what the stick says then
@@ -83,7 +90,10 @@ function connect() {
 }
 
 function hear(frame) {
-  if (frame.type === "snapshot") tick = frame.tick;
+  if (frame.type === "snapshot") {
+    tick = frame.tick;
+    if (holding && POSING.includes(frame.mode)) restSince = now();
+  }
   else if (frame.type === "lease") holding = frame.held;
   else if (frame.type === "hello") tell("link", { state: "open" });
   tell(frame.type, { frame });
@@ -93,6 +103,7 @@ onmessage = ({ data }) => {
   pageSeen = now();
   if (data.type === "command" || data.type === "alive") obey(data.command);
   else if (data.type === "release") letGo();
+  else if (data.type === "posture") pose(data.posture);
   else if (data.type === "stop") { command = REST; say({ type: "stop" }); }
   else if (data.type === "take") { restSince = now(); say({ type: "take" }); }
   else if (data.type === "rearm") { command = REST; say({ type: "take" }); drive(); say({ type: "rearm" }); restSince = now(); }

@@ -65,6 +65,15 @@ function toggleStop() {
   else stop();
 }
 
+const sits = () => newest?.posture === "sit" && newest.mode !== "stand";
+
+function pose(posture) {
+  stick.letGo();
+  if (lease.stopped) return say("Stopped. Release the stop first.");
+  worker.postMessage({ type: "posture", posture });
+}
+
+for (const button of $("postures").children) button.addEventListener("click", () => pose(button.dataset.posture));
 setInterval(() => worker.postMessage({ type: "alive", command: asked(stick.value) }), ALIVE);
 // Clicking into the canvas takes the focus from this document but not from the console: keys are let go, the pointer stays.
 window.addEventListener("blur", () => {
@@ -89,6 +98,7 @@ const SHORTCUTS = {
   KeyP: () => pauseOrGo(), Period: () => newest?.paused && post("advance", { ticks: ADVANCE_TICKS }), Backspace: () => post("reset"),
   KeyR: () => lease.stopped && toggleStop(), KeyC: () => view.home(), KeyV: () => openMenu($("view-menu").hidden),
   KeyB: () => openBrushes($("brushes").hidden),
+  KeyX: () => pose(sits() ? "stand" : "sit"), KeyN: () => pose("standard"),
 };
 
 document.addEventListener("keydown", (event) => {
@@ -273,12 +283,16 @@ function showLease() {
   document.body.classList.toggle("is-stopped", stopped);
 }
 
+const POSED = { sit_down: "sit", sit: "sit", stand_up: "stand", regroup: "standard" };
+const posed = (s) => POSED[s.mode] ?? (s.mode === "stand" ? s.posture : "");
+
 function showState(s) {
   choose(s);
   if (s.stopped !== lease.stopped) { lease = { ...lease, stopped: s.stopped }; showLease(); }
   $("pause").setAttribute("aria-pressed", String(s.paused));
   $("advance").disabled = !s.paused;
   for (const button of $("rate").children) button.setAttribute("aria-checked", String(Number(button.dataset.rate) === s.rate));
+  for (const button of $("postures").children) button.setAttribute("aria-pressed", String(button.dataset.posture === posed(s)));
   $("turn-control").hidden = !turns();
   $("planner-mode").hidden = s.planner !== "crab";
   showTab();

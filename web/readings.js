@@ -5,6 +5,7 @@ const MARGIN_GOOD = 0.03;   // m, green from here
 const MODES = {
   stand: "Standing", support: "Moving on all feet", up: "Lifting", return: "Swinging", down: "Setting down", shift: "Shifting the body",
   settle: "Setting down", blocked: "Blocked", emergent: "Feeling for ground", tipping: "Tipping over", fallen: "Fallen",
+  sit_down: "Sitting down", sit: "Sitting", stand_up: "Standing up", regroup: "Regrouping",
 };
 const ALARMS = { blocked: "warn", emergent: "warn", tipping: "bad", fallen: "bad" };
 const QUADRUPED = ["FL", "RL", "RR", "FR"];
@@ -46,7 +47,7 @@ export function drawTicks() {
 export function show(s) {
   const names = legNames(s.feet.length);
   write("mode", MODES[s.mode] ?? s.mode);
-  $("state").dataset.tone = ALARMS[s.mode] ?? (s.mode === "stand" ? "" : "walk");
+  $("state").dataset.tone = ALARMS[s.mode] ?? (s.mode === "stand" || s.mode === "sit" ? "" : "walk");
   write("planner", s.planner === "crab" ? "crab ·" : "trace");
   write("step", String(s.step));
   const swings = s.swing.length && s.mode !== "stand" && s.mode !== "shift";

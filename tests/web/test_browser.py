@@ -179,6 +179,31 @@ def test_a_hexapod_walks_and_turns_on_the_spot_by_keys_and_shows_its_footholds(a
     until(page, lambda: not page.locator("#segments").is_visible())
 
 
+def test_buttons_and_keys_sit_the_machine_down_stand_it_up_and_set_its_feet_in_order(address: str, page: Page) -> None:
+    pressed = page.locator("#postures [aria-pressed=true]")
+    page.click("[data-posture=sit]")
+    until(page, lambda: now(address)["mode"] == "sit")
+    assert now(address)["body"][2] < 0.6
+    until(page, lambda: page.inner_text("#mode") == "Sitting" and pressed.count() == 1 and pressed.inner_text() == "Sit")
+    page.keyboard.press("x")
+    until(page, lambda: now(address)["mode"] == "stand" and now(address)["body"][2] > 0.8)
+    page.keyboard.down("w")
+    until(page, lambda: now(address)["distance_m"] > 0.1)
+    page.keyboard.up("w")
+    page.keyboard.press("n")
+    until(page, lambda: now(address)["mode"] == "regroup")
+    until(page, lambda: now(address)["mode"] == "stand" and now(address)["posture"] == "standard")
+    until(page, lambda: pressed.count() == 1 and pressed.inner_text() == "Standard")
+    page.locator("[data-posture=sit]").focus()
+    page.keyboard.press("Enter")
+    until(page, lambda: now(address)["mode"] == "sit")
+    before = now(address)["distance_m"]
+    page.keyboard.down("w")
+    until(page, lambda: now(address)["distance_m"] > before + 0.02)
+    page.keyboard.up("w")
+    until(page, lambda: now(address)["mode"] == "stand")
+
+
 def test_space_stops_for_everybody_until_it_is_released(address: str, page: Page) -> None:
     page.mouse.click(440, 300)
     page.keyboard.press("Space")
