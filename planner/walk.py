@@ -46,6 +46,7 @@ LANDED_AS_PLANNED = 0.02  # m; a foot set down farther from J_u than this has no
 PIECES = 4  # pieces of thought a tick while a step runs; more and the tick takes longer than it need
 PIECES_WANTED = 16  # the same while Level C waits for the step (F3): still well inside a tick
 WAIT_MAX = 2  # ticks Level C waits on standing feet before it takes the best step thought of so far
+ALIKE = math.radians(10.0)  # courses this close share a thought; less: see it stand while a stick moves, more: see a step go astray
 POSE_TRIES = 8  # times a posture is begun anew because the ground, or a push, was not as planned, before it says so
 SAME_GROUND = 0.01  # m; a foothold ahead whose believed height has changed by more is planned anew
 
@@ -103,6 +104,7 @@ class Walk:
         self._thinking: Thinking | None = None
         self._ready: StepPlan | Blocked | None = None
         self._asked: tuple[Stance, Command, TerrainMap] | None = None
+        self._spare: tuple[Command, StepPlan] | None = None  # a step thought through for a command much like this one
         self._refused: tuple[Command, TerrainMap] | None = None  # what the last Blocked was an answer to
         self._waited = 0  # ticks Level C has waited for the next step
         self._held = 0  # steps running that were cut short because the body was not where they had it
@@ -237,7 +239,7 @@ class Walk:
         self._finish(replace(plan, end=stance))
         self._held = 0
         self._consider(stance, command, terrain, PIECES_WANTED)
-        answer = self._ready
+        answer = self._answer(command)
         if answer is None:  # not thought through yet: hold on standing feet
             self._rest(stance, keep_thinking=True)
             return 0.0
@@ -275,27 +277,52 @@ class Walk:
             self.blocked = Blocked("something holds the body back: a leg or the torso is against an obstacle")
             return
         asked = self._asked
-        still_asked = asked is not None and asked[1] == command and asked[2] is terrain
+        still_asked = asked is not None and asked[2] is terrain and self._alike(asked[1], command)
         stance = asked[0] if asked is not None and still_asked else self._actual(sensing, self.stance)
         self._consider(stance, command, terrain, PIECES_WANTED)
         self._waited += 1
-        if self._waited >= WAIT_MAX and self._ready is None:
+        if self._waited >= WAIT_MAX and self._answer(command) is None:
             self._think_on(PIECES_WANTED, wanted_now=True)
-        if self._ready is not None:
-            answer = self._ready
+        answer, asked = self._answer(command), self._asked
+        if answer is not None and asked is not None:
             self._begin(answer, stance, 0.0, command)
-            self._refused = (command, terrain)
+            self._refused = (asked[1], terrain)
 
     def _consider(self, stance: Stance, command: Command, terrain: TerrainMap, pieces: int = PIECES) -> None:
-        """Ask for the step from ``stance`` unless just that was asked already; think a little further on it."""
-        asked = self._asked
-        if asked is None or asked[0] is not stance or asked[1] != command or asked[2] is not terrain:
+        """Ask for the step from ``stance`` unless just that was asked already; think a little further on it.
+
+        While the stick moves a little, or only farther out, a thought is finished all the same, and kept while the next is begun.
+        """
+        asked, before = self._asked, self._ready
+        anew = asked is None or asked[0] is not stance or asked[2] is not terrain
+        if anew or (asked is not None and asked[1] != command and (before is not None or not self._alike(asked[1], command))):
+            if anew or asked is None:
+                self._spare = None
+            elif isinstance(before, StepPlan):
+                self._spare = asked[1], before
             self._asked = (stance, command, terrain)
             self._thinking = self.think(stance, command, terrain)
             self._ready = None
             self.flags = (True, False, False)
         if self._ready is None:
             self._think_on(pieces)
+
+    def _answer(self, command: Command) -> StepPlan | Blocked | None:
+        """The step that is ready, for this command or for one alike; None when there is none yet."""
+        if self._ready is not None or self._spare is None:
+            return self._ready
+        return self._spare[1] if self._alike(self._spare[0], command) else None
+
+    def _alike(self, one: Command, other: Command) -> bool:
+        """True when a step for one command will do for the other: another speed, and all but the same course."""
+        if one == other:
+            return True
+        if one.holds or other.holds:
+            return False
+        rho = self.machine.yaw_length
+        ax, ay, at = one.speed * math.cos(one.crab_angle), one.speed * math.sin(one.crab_angle), rho * one.turn_rate
+        bx, by, bt = other.speed * math.cos(other.crab_angle), other.speed * math.sin(other.crab_angle), rho * other.turn_rate
+        return ax * bx + ay * by + at * bt >= math.cos(ALIKE) * math.hypot(ax, ay, at) * math.hypot(bx, by, bt)
 
     def _think_on(self, pieces: int, wanted_now: bool = False) -> None:
         if self._thinking is None:
@@ -312,7 +339,7 @@ class Walk:
             self.flags = (False, True, False)
 
     def _forget(self) -> None:
-        self._asked, self._thinking, self._ready = None, None, None
+        self._asked, self._thinking, self._ready, self._spare = None, None, None, None
 
     # postures on command
 

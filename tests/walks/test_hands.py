@@ -1,0 +1,60 @@
+"""Hands that never rest: sticks that tremble, slide and jump, and what must hold whatever they do (the full count: sweeps/hands)."""
+
+import math
+
+import numpy as np
+import pytest
+
+from planner.vocabulary import Command
+from tests.sweeps.hands import Watched, circle_walk, console_on, hand_walk
+
+COURSES = {"straight": Command(0.3, 0.08), "arc": Command(0.3, 0.08, 0.06), "spot": Command(0.0, 0.0, 0.1)}
+SECONDS = 12
+
+
+def trembling(command, rng):
+    """A thumb on the stick: a degree or so, a few percent, in every tick."""
+    return Command(
+        command.crab_angle + float(rng.normal(0.0, 0.02)),
+        command.speed * float(rng.normal(1.0, 0.03)),
+        command.turn_rate * float(rng.normal(1.0, 0.03)),
+    )
+
+
+def walked(positions):
+    """A console driven by one position of the stick a tick: what was seen, and in how many ticks the body stood."""
+    watched, stood = Watched(console_on("cells", 7, "titan3", 0.8)), 0
+    for command in positions:
+        before = watched.console.plant.body[:6]
+        watched.order(command)
+        watched.tick()
+        stood += list(watched.console.plant.body[:6]) == list(before)
+    return watched.seen, stood
+
+
+@pytest.mark.parametrize("course", COURSES)
+def test_a_stick_that_trembles_is_walked_like_one_that_rests(course):
+    command, rng = COURSES[course], np.random.default_rng(3)
+    rested, stood = walked([command] * (SECONDS * 50))
+    trembled, stood_too = walked([trembling(command, rng) for _ in range(SECONDS * 50)])
+    assert trembled.way + trembled.turned > 0.9 * (rested.way + rested.turned)
+    assert stood_too <= stood + 10 and not trembled.amiss
+
+
+def test_a_stick_pushed_farther_and_farther_out_is_answered_meanwhile():
+    """On an arc a thought takes several ticks: it must not begin anew with every speed the stick passes."""
+    positions = [Command(0.3, f * 0.08, f * 0.06) for f in (1.0 + 0.5 * math.sin(k / 25) for k in range(SECONDS * 50))]
+    seen, stood = walked(positions)
+    assert seen.way > 0.08 * SECONDS * 0.8 and seen.stood < 2.5 and not seen.amiss
+
+
+@pytest.mark.parametrize(("seed", "ground"), [(1, "flat"), (2, "cells"), (2020, "flat")])
+def test_a_restless_hand_comes_to_no_harm_and_is_never_stuck(seed, ground):
+    seen, last = hand_walk(seed, ground, 55.0)
+    assert not seen.amiss, (seen.amiss, seen.reason)
+    assert last > 0.5
+
+
+def test_it_comes_right_round_on_a_circle_near_the_critical_angle():
+    seen = circle_walk(1.0, 45.0, -1, "cells", 4)
+    assert abs(seen.yaw) >= 2 * math.pi and not seen.amiss
