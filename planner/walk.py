@@ -47,7 +47,8 @@ PIECES = 4  # pieces of thought a tick while a step runs; more and the tick take
 PIECES_WANTED = 16  # the same while Level C waits for the step (F3): still well inside a tick
 WAIT_MAX = 2  # ticks Level C waits on standing feet before it takes the best step thought of so far
 ALIKE = math.radians(10.0)  # courses this close share a thought; less: see it stand while a stick moves, more: see a step go astray
-POSE_TRIES = 8  # times a posture is begun anew because the ground, or a push, was not as planned, before it says so
+POSE_TRIES = 24  # times a posture is begun anew because the ground, or a push, was not as planned, before it says so
+POSE_OFF = 0.01  # m a foot or the body may come out beside the plan of a posture; farther, and the rest of it is planned anew
 SAME_GROUND = 0.01  # m; a foothold ahead whose believed height has changed by more is planned anew
 
 PlanStep = Callable[[Stance, Command, TerrainMap], StepPlan | Blocked]
@@ -459,7 +460,7 @@ class Walk:
         if not self._poses:
             self._posed(stance)
             return 0.0
-        if stance is not plan.end or not self._still_good(terrain):
+        if not (_as_planned(stance, plan.end) and self._still_good(terrain)):
             self._rest(stance)  # and plan anew from there: the posture is still wanted
             return 0.0
         self._play_pose()
@@ -719,6 +720,14 @@ class Walk:
         if off <= SAME_PLACE:
             return expected
         return replace(expected, body=(x, y, z, yaw), feet=feet)
+
+
+def _as_planned(came: Stance, planned: Stance) -> bool:
+    """True when a plan came out near enough to what the next one of its posture begins with."""
+    if came is planned:
+        return True
+    pairs = zip((came.body[:3], *came.feet), (planned.body[:3], *planned.feet), strict=True)
+    return all(abs(a - b) <= POSE_OFF for one, two in pairs for a, b in zip(one, two, strict=True))
 
 
 def feet_absolute(sensing: Sensing) -> tuple[Point, ...]:
