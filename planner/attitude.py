@@ -38,7 +38,7 @@ KINDS: tuple[Kind, ...] = ("level", "ground")
 SHARE = 0.6  # of the longest stride any lean allows; 1: see it hardly lean at all, 0.3: see it creep with its nose in the air
 LEAN_GRAIN = 0.02  # a lean is a multiple of this; smaller: see it nod on rough ground
 LEAN_MAX = 0.35  # m per m, 19°
-STAYS = 1.0  # of a grain, by which a slope or a lean wanted must change before it counts; less than 0.8: see strides tremble
+STAYS = 1.0  # of a grain, by which a slope must change before it counts; less than 0.8: see strides and leans tremble
 SLOPE_GRAIN = 0.01  # m per m to which a slope is rounded before strides are fitted to it; smaller: see strides change on rough ground
 SPANS = 12  # lengths of a box that are tried
 HALVES = (0.4, 0.7, 1.0)  # of z*, that are tried: a leaning leg reaches a wider box over heights that differ less
@@ -79,9 +79,17 @@ class Attitude:
         """The lean of the next step, and the frame it is planned in."""
         slope = self._slope_known(slope_under(stance, command, terrain, self.machine))
         lean = self._next_lean(stance, command, slope)
-        turning = command.turn_rate != 0.0
-        machine = fitted(self.machine, self.gait, stance.body[3], slope, (stance.lean, lean), None if turning else command.crab_angle)
+        machine = self._fitted(stance, command, slope, lean)
+        if machine is None and stance.lean != LEVEL:
+            lean = approached(stance.lean, LEVEL)
+            machine = self._fitted(stance, command, slope, lean)
+        if machine is None:
+            machine = whole(self.machine, self.gait, tuple(in_body(each, stance.body[3]) for each in (stance.lean, lean)))
         return self._shears.frame(stance, terrain, machine or self.machine, lean)
+
+    def _fitted(self, stance: Stance, command: Command, slope: Lean, lean: Lean) -> Machine | None:
+        course = command.crab_angle if command.turn_rate == 0.0 else None
+        return fitted(self.machine, self.gait, stance.body[3], slope, (stance.lean, lean), course)
 
     def _slope_known(self, measured: Lean) -> Lean:
         """The slope rounded, and the one before as long as it is near: strides that change with every step keep no standard walk."""
@@ -93,9 +101,8 @@ class Attitude:
         """One step from the present lean towards the one that follows the ground as far as it may."""
         target = LEVEL
         if self.kind == "ground":
-            followed = self._followed(stance, command, slope)
-            near = math.dist(followed, stance.lean) < STAYS * LEAN_GRAIN
-            target = stance.lean if near else (rounded(followed[0], LEAN_GRAIN), rounded(followed[1], LEAN_GRAIN))
+            gx, gy = self._followed(stance, command, slope)
+            target = towards_level(gx), towards_level(gy)
         return approached(stance.lean, target)
 
     def _followed(self, stance: Stance, command: Command, slope: Lean) -> Lean:
@@ -217,6 +224,22 @@ def followed_turning(machine: Machine, gait: Gait, steep: float) -> float:
         fit = _fitted_turning(machine, gait, steep, rounded(steep - lean, SLOPE_GRAIN), rounded(lean, LEAN_GRAIN / 2))
         found.append(0.0 if fit is None else min(fit.reach.x_span / machine.reach.x_span, fit.reach.y_span / machine.reach.y_span))
     return _share_kept((steep, 0.0), found)
+
+
+def towards_level(gradient: float) -> float:
+    """The lean nearest to a gradient that is no steeper."""
+    return math.trunc(gradient / LEAN_GRAIN + 1e-9 * (1 if gradient > 0.0 else -1)) * LEAN_GRAIN
+
+
+def whole(machine: Machine, gait: Gait, leans: tuple[Lean, ...]) -> Machine | None:
+    """All of its boxes that a machine has with these leans (body axes), whatever the slope; None when they are not mirrored anywhere."""
+    if all(lean == LEVEL for lean in leans):
+        return machine
+    cosine, boxes = reaches(machine, leans, *machine.z_range)
+    box = _mirrored_part(boxes)
+    if box is None:
+        return None
+    return _boxed(machine, gait, leans, np.array([box[0], box[2]]), box[1] - box[0], box[3] - box[2], machine.z_range, cosine)
 
 
 def _share_kept(slope: Lean, strides: list[float]) -> float:
