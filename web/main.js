@@ -98,6 +98,7 @@ const SHORTCUTS = {
   KeyP: () => pauseOrGo(), Period: () => newest?.paused && post("advance", { ticks: ADVANCE_TICKS }), Backspace: () => post("reset"),
   KeyR: () => lease.stopped && toggleStop(), KeyC: () => view.home(), KeyV: () => openMenu($("view-menu").hidden),
   KeyB: () => openBrushes($("brushes").hidden),
+  KeyG: () => newest && leans(newest) && takeAttitude(newest.attitude === "level" ? "ground" : "level"),
   KeyX: () => pose(sits() ? "stand" : "sit"), KeyN: () => pose("standard"),
 };
 
@@ -135,6 +136,14 @@ async function ask(method, path, body) {
 async function post(action, body) {
   try { await ask("POST", `console/${action}`, body); } catch (error) { say(error.message); }
 }
+
+const leans = (s) => s.planner === "crab" && s.planner_mode === "predictive"; // the others walk level, as they were printed
+
+async function takeAttitude(attitude) {
+  try { await ask("PUT", "console/attitude", { attitude }); } catch (error) { say(error.message); }
+}
+
+for (const button of $("attitudes").children) button.addEventListener("click", () => takeAttitude(button.dataset.attitude));
 
 async function load(body) {
   loading = true;
@@ -293,6 +302,8 @@ function showState(s) {
   $("advance").disabled = !s.paused;
   for (const button of $("rate").children) button.setAttribute("aria-checked", String(Number(button.dataset.rate) === s.rate));
   for (const button of $("postures").children) button.setAttribute("aria-pressed", String(button.dataset.posture === posed(s)));
+  $("attitudes").hidden = !leans(s);
+  for (const button of $("attitudes").children) button.setAttribute("aria-checked", String(button.dataset.attitude === s.attitude));
   $("turn-control").hidden = !turns();
   $("planner-mode").hidden = s.planner !== "crab";
   showTab();

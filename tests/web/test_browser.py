@@ -204,6 +204,17 @@ def test_buttons_and_keys_sit_the_machine_down_stand_it_up_and_set_its_feet_in_o
     until(page, lambda: now(address)["mode"] == "stand")
 
 
+def test_a_switch_and_a_key_let_the_body_follow_the_ground(address: str, page: Page) -> None:
+    chosen = page.locator("#attitudes [aria-checked=true]")
+    assert chosen.get_attribute("data-attitude") == "level"
+    page.click("[data-attitude=ground]")
+    until(page, lambda: now(address)["attitude"] == "ground" and chosen.get_attribute("data-attitude") == "ground")
+    page.keyboard.press("g")
+    until(page, lambda: now(address)["attitude"] == "level" and chosen.get_attribute("data-attitude") == "level")
+    load(address, {"name": "flat", "mode": "paper"})
+    until(page, lambda: page.locator("#attitudes").is_hidden())
+
+
 def test_space_stops_for_everybody_until_it_is_released(address: str, page: Page) -> None:
     page.mouse.click(440, 300)
     page.keyboard.press("Space")
