@@ -27,6 +27,7 @@ from .terrain import TerrainMap
 from .vocabulary import TICK, Blocked, Gait, Phase, Point, Stance, StepPlan
 
 THERE = 0.01  # m; a foot this near its place stays; smaller: see feet lifted and put back
+LINE = 1e-9  # m²; an area of less is a line
 STILL = 1e-4  # m; a shorter way of the body is none
 HEIGHT_SHARE = 0.5  # of V_z at which the body sinks and rises; more: see it drop rather than sit down
 SWAY_SHARE = 0.2  # of V_x, V_y at which it sways on all feet: about the speed of a walk; more: see it lurch
@@ -459,10 +460,11 @@ def _cut(area: Polygon, polygon: Polygon, inset: float) -> Polygon:
 def _nearest(area: Polygon, x: float, y: float) -> XY | None:
     """The point of a convex area, counter-clockwise, nearest to (x, y); None of an empty one."""
     best, found = math.inf, None
-    inside = bool(area)
+    inside, twice_area = True, 0.0
     for k, (bx, by) in enumerate(area):
         ax, ay = area[k - 1]
         ex, ey = bx - ax, by - ay
+        twice_area += ax * by - ay * bx
         if ex * (y - ay) - ey * (x - ax) < 0.0:
             inside = False
         size = ex * ex + ey * ey
@@ -471,4 +473,4 @@ def _nearest(area: Polygon, x: float, y: float) -> XY | None:
         distance = math.hypot(px - x, py - y)
         if distance < best:
             best, found = distance, (px, py)
-    return (x, y) if inside else found
+    return (x, y) if inside and twice_area > LINE else found  # a line, where the legs give no room across it, has no inside

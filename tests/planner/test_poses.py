@@ -147,6 +147,20 @@ def test_from_every_posture_the_feet_come_back_into_the_standard_layout(name: st
     assert beside <= 0.01 * POSTURES * len(machine.legs), "the nearest cell that may be stepped on, but for one foot in a hundred"
 
 
+@pytest.mark.parametrize("duty_factor", (0.75, 0.8, 0.9))
+def test_from_the_standard_posture_of_every_course_to_that_of_every_other(duty_factor: float) -> None:
+    """Feet at both ends of their reach leave the body a line to sway along, or nothing."""
+    machine = load_machine("titan3")
+    gait, terrain = gait_of(machine, duty_factor), ground_of("level", machine, np.random.default_rng(1))
+    layouts = [start_stance("crab", machine, gait, math.radians(d), (0.0, 0.0, 0.0), terrain.height_at) for d in range(-180, 180, 30)]
+    for stance in layouts:
+        for goal in layouts:
+            plans = in_one_go(regroup(stance, goal, terrain, machine, gait))
+            assert not isinstance(plans, Blocked), plans.reason
+            assert_sound(plans, stance, terrain, machine)
+            assert all(math.dist(foot, place) <= THERE for foot, place in zip(plans[-1].end.feet, goal.feet, strict=True))
+
+
 @pytest.mark.parametrize("kind", GROUNDS)
 @pytest.mark.parametrize("name", MACHINES)
 def test_it_sits_down_on_its_feet_and_stands_up_again(name: str, kind: str) -> None:
