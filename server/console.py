@@ -197,9 +197,10 @@ class Console:
     def _along_a_route(self, think: Think, machine: Machine, stance: Stance, command: Command, terrain: TerrainMap) -> Thinking:
         """Level B1, then B2 to B4 on the course it gives; where they find no step B1 is asked for another."""
         command = replace(command, speed=self.command.speed)
-        cautious, refused, first = self.world.scenario.sensing == "eye", list[float](), None
+        scenario, refused, first = self.world.scenario, list[float](), None
+        cautious, stretches = scenario.sensing == "eye", scenario.mode == "predictive"
         for _ in range(COURSES_MAX):
-            steered, route, why = plan_route(self.route, command, stance, terrain, machine, refused, cautious)
+            steered, route, why = plan_route(self.route, command, stance, terrain, machine, refused, cautious, stretches)
             answer = why or (yield from think(stance, steered, terrain))
             first = first or (route, answer)
             if isinstance(answer, StepPlan):

@@ -85,12 +85,14 @@ def plan_route(
     machine: Machine,
     refused: Sequence[float] = (),
     cautious: bool = True,
+    stretches: bool = True,
 ) -> tuple[Command, RouteState, Blocked | None]:
     """The command to plan the next step with, what to remember, and why nothing works if so.
 
     ``refused`` are courses against the line (``RouteState.offset``) for which Level B2 has just found no step from this
-    very stance. ``cautious``: slow down before unknown ground (no use to a walker without an eye). A command that turns is
-    passed on as it is: there is no line to come back to.
+    very stance. ``cautious``: slow down before unknown ground (no use to a walker without an eye). ``stretches``: the walker can
+    stretch its legs beyond their control reach (mode ``predictive``). A command that turns is passed on as it is: there is no
+    line to come back to.
     """
     if command.holds or command.turn_rate != 0.0:
         return command, RouteState(), None
@@ -109,12 +111,13 @@ def plan_route(
     if survey is None or way is None:
         survey = Survey(region, stance, terrain, machine)
         way = Ways(survey).best(state.offset, refused)
-    if way.reach < NO_WAY:  # no way for legs in their control reach, nor round it: what do they reach when they stretch?
-        why = survey.why()
-        survey = Survey(region, stance, terrain, machine, stretched=True)
-        way = Ways(survey).best(state.offset, refused)
     if way.reach < NO_WAY:
-        return command, replace(state, aim=None, offset=0.0, way=()), Blocked(why)
+        why = survey.why()
+        if stretches:  # no way for legs in their control reach, nor round it: what do they reach at the most?
+            survey = Survey(region, stance, terrain, machine, stretched=True)
+            way = Ways(survey).best(state.offset, refused)
+        if way.reach < NO_WAY:
+            return command, replace(state, aim=None, offset=0.0, way=()), Blocked(why)
     return _steered(command, state, stance, region, way, survey if cautious else None)
 
 

@@ -1,7 +1,7 @@
 """Mode ``predictive`` beside ``paper``: from random postures, over random prohibited cells, over rivers, over every kind of ground.
 
 Run: python -m tests.sweeps.foresight postures|cells|rivers|grounds [--count N] [--mode M], ``grounds`` also in pieces with
-[--kind K ...] [--first SEED]. The results are kept in docs/predictive.md.
+[--kind K ...] [--first SEED], ``rivers`` with [--width W ...]. The results are kept in docs/predictive.md.
 One process, no simulation but for ``grounds``: plans are chained, each from the stance the one before ends in.
 """
 
@@ -39,9 +39,12 @@ FIXED = ("slope", "stairs", "block", "river", "gap", "pit", "wave")
 STONES = 'kind="stepping_stones", size=0.15, spacing=0.15, jitter=0.0'
 GROUNDS: dict[str, tuple[str, float]] = {  # name: terrain, course in degrees
     **{kind: (f'kind="{kind}", difficulty=0.8', 0.0) for kind in (*FIXED, *CHANCE)},
+    "river-90": ('kind="river", width=0.35, heading_deg=90.0', 90.0),
     **{f"stones-{degrees}": (STONES, float(degrees)) for degrees in (0, 45, 90)},
 }
 START_STEP = 0.01  # m between the starts of two seeds
+ASIDE = 0.6  # of it, to the left, among stones: 50 seeds begin everywhere on a pitch of 0.3 m
+WIDTHS = (0.2, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55)  # m, of rivers
 PLACES = 0.5  # m over which rivers are spread: longer than a cycle of the walk
 
 Planner = Callable[[Stance, Command, TerrainMap, Gait], StepPlan | Blocked]
@@ -163,11 +166,11 @@ def cell_walk(mode: str, degrees: float, fraction: float, seed: int, steps: int 
     return way / steps / (standard.stride / (4 * gait.duty_factor)), margin, stuck, seconds
 
 
-def rivers(count: int, modes: tuple[str, ...] = tuple(MODES)) -> None:
+def rivers(count: int, modes: tuple[str, ...] = tuple(MODES), widths: tuple[float, ...] = WIDTHS) -> None:
     """Bottomless strips across the way, at ``count`` places each: how many are crossed."""
     print("| width, m | course | " + " | ".join(modes) + " |")
     print("|---|---|" + "---|" * len(modes))
-    for width in (0.2, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55):
+    for width in widths:
         for degrees in (0, 20, 90):
             crossed = [sum(crosses(mode, width, 0.9 + PLACES * k / count, degrees) for k in range(count)) for mode in modes]
             print(f"| {width} | {degrees}° | " + " | ".join(f"{n} of {count}" for n in crossed) + " |", flush=True)
@@ -211,10 +214,12 @@ def grounds(count: int, modes: tuple[str, ...] = tuple(MODES), kinds: tuple[str,
 
 
 def settings_for(kind: str, mode: str, seed: int) -> list[str]:
-    """One walk of ``grounds``: where the seed changes nothing in the ground it moves the start along the course and, less, across."""
+    """One walk of ``grounds``: where the seed changes nothing in the ground it moves the start back along the course."""
     terrain, degrees = GROUNDS[kind]
-    moved = 0.0 if kind in CHANCE else START_STEP * (seed % 50)
-    x, y = (-moved if kind in FIXED else moved), (0.0 if kind in FIXED else 0.3 * moved)
+    back = 0.0 if kind in CHANCE else START_STEP * (seed % 50)
+    aside = ASIDE * back if terrain == STONES else 0.0
+    c, n = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+    x, y = -c * back - n * aside, c * aside - n * back
     return [
         f"mode={mode}",
         f"terrain={{{terrain}}}",
@@ -256,11 +261,14 @@ def main() -> None:
     parser.add_argument("--mode", choices=MODES, action="append", help="only this mode; may be given more than once")
     parser.add_argument("--kind", choices=GROUNDS, action="append", help="grounds: only this one; may be given more than once")
     parser.add_argument("--first", type=int, default=FIRST_SEED, help="grounds: the first seed")
+    parser.add_argument("--width", type=float, action="append", help="rivers: only this one, m; may be given more than once")
     given = parser.parse_args()
     sweep, count = SWEEPS[given.sweep]
     pieces: dict[str, Any] = {"modes": tuple(given.mode or MODES)}
     if given.sweep == "grounds":
         pieces |= {"kinds": tuple(given.kind or GROUNDS), "first": given.first}
+    if given.sweep == "rivers":
+        pieces["widths"] = tuple(given.width or WIDTHS)
     sweep(given.count or count, **pieces)
 
 
