@@ -32,7 +32,7 @@ LOOKS = (  # steps a sequence is long, sequences kept, and for how many of its s
     (6, 6, 0),  # less: see it sway where a swing would do
     (9, 16, 0),  # each of these when the one before finds no way on
     (8, 32, 1),  # without: see it stand for good after a turn of mind, its legs at the edges of their reach
-    (8, 48, 2),
+    (6, 128, 2),
 )
 ANYWHERE = (0.02, 0.5, 0.98)  # of the reach, along and across: where feet are tried when they may come down anywhere
 INSET = 0.03  # m from every edge of the triangle, where the standard walk has so much
