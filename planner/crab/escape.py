@@ -1,7 +1,8 @@
-"""What is left when no step gets on along the course: a step back, another course within a cone, and then the reason why not.
+"""What is left when no step gets on along the course: a step back, another course within a cone, legs stretched to the limit, the reason.
 
-Four-leg shifts, other legs and lifting a foot to put it elsewhere are choices of ``predict`` already; these are of another
-kind: they give up the commanded course for one step.
+Four-leg shifts, other legs and lifting a foot to put it elsewhere are choices of ``predict`` already; these are of another kind: they give
+up the commanded course for one step, or the control reach until a gap is behind the walker. They are thought to their end even
+when Level C waits: bounded by count, some two thousand pieces of thought at the very most.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from ..machine import Machine
 from ..terrain import TerrainMap
 from ..vocabulary import Blocked, Gait, Stance
 from .choices import Field, State, near_steps
-from .predict import DEPTH, Ways, best_of, look_near, standard_way
+from .predict import DEPTH, Ways, best_of, is_open, look_near, standard_way
 from .standard import posture_of, standard_for
 from .xy import Notes, Step, decide
 
@@ -41,7 +42,7 @@ def field_of(stance: Stance, crab_angle: float, terrain: TerrainMap, machine: Ma
 
 
 def way_out(field: Field, stance: Stance, crab_angle: float) -> Generator[None, bool | None, Escape | None]:
-    """A step back that lets the walk get past where it stands, else a course within the cone that gets on; None without one."""
+    """A step back that lets the walk get past where it stands, a course within the cone that gets on, stretched legs; None without one."""
     back = yield from _by_a_step_back(field, stance, crab_angle)
     if back is not None:
         return back
@@ -62,12 +63,13 @@ def by_stretching(field: Field, stance: Stance, crab_angle: float, least: float)
 
 
 def is_strained(field: Field) -> bool:
-    """True in the middle of a stretched crossing: a foot stands beyond its control reach."""
+    """True in the middle of a stretched crossing: a foot stands beyond its control reach, and the ground ahead is not open."""
     feet, boxes = field.start.posture.feet, field.standard.boxes
-    return any(
+    beyond = any(
         not (x1 - STRAIN <= x <= x2 + STRAIN and y1 - STRAIN <= y <= y2 + STRAIN)
         for (x, y), (x1, x2, y1, y2) in zip(feet, boxes, strict=True)
     )
+    return beyond and not is_open(field)
 
 
 def _by_a_step_back(field: Field, stance: Stance, crab_angle: float) -> Generator[None, bool | None, Escape | None]:
@@ -101,6 +103,6 @@ def blocked(field: Field, ways: Ways, notes: Notes | None) -> Blocked:
     cells = [cell for trial in legs for cell in trial["refused"]][:CELLS_TOLD]
     where = f"after {ways[0].gain:.2f} m more " if ways and ways[0].gain > 0.005 else ""
     told = "".join(f" ({cell['x']:.2f}, {cell['y']:.2f})" for cell in cells[:3])
-    reason = f"no way on {where}by any leg, shift, step back or course within 30 degrees: {reasons}"
+    reason = f"no way on {where}by any leg, shift, step back, course within 30 degrees or stretched leg: {reasons}"
     decision = {**(notes or {}), "refused": cells}
     return Blocked(reason + (f"; refused cells:{told}" if told else ""), legs[0]["leg"] - 1 if legs else None, decision)
