@@ -42,13 +42,13 @@ STAYS = 1.0  # of a grain, by which a slope must change before it counts; less t
 SLOPE_GRAIN = 0.01  # m per m to which a slope is rounded before strides are fitted to it; smaller: see strides change on rough ground
 SPANS = 12  # lengths of a box that are tried
 HALVES = (0.4, 0.7, 1.0)  # of z*, that are tried: a leaning leg reaches a wider box over heights that differ less
-SPAN_MIN = 0.06  # m; footholds must be found in what is left
-SLACK = 0.025  # m of z* kept beyond what the standard walk needs; 0: see it stumble over the cells' own steps
-AHEAD = 0.3  # m ahead of the body, the middle of the ground that counts as the slope
+SPAN_LEAST = 0.14  # of a box's mean side; footholds must be found in what is left
+SLACK = 0.05  # of z*, kept beyond what the standard walk needs; 0: see it stumble over the cells' own steps
+AHEAD = 0.43  # of the reach ahead of the body, the middle of the ground that counts as the slope
 SAMPLES = 5  # of the ground, along and across
-OUTLIER = 0.2  # m from the plane; farther is a block, a pole or a pit and no slope
+OUTLIER = 0.4  # of z* from the plane; farther is a block, a pole or a pit and no slope
 ENOUGH = 8  # samples that make a slope; fewer: the feet alone
-TURNING = 3.0  # m/s of every leg's speed kept for the lean itself, per m/m that changes in a step; 0: see feet come down a little aside
+TURNING = 3.5  # H a second of every leg's speed kept for the lean itself, per m/m that changes in a step; 0: see feet land aside
 
 
 class Attitude:
@@ -126,21 +126,21 @@ def slope_under(stance: Stance, command: Command, terrain: TerrainMap, machine: 
         return 0.0, 0.0
     x, y, _, yaw = stance.body
     course = yaw + command.crab_angle
-    ahead = AHEAD if command.speed > 0.0 else 0.0
+    ahead = AHEAD * max(box[1] for box in machine.boxes) if command.speed > 0.0 else 0.0
     known = terrain.known
     points = [*stance.feet]
     for px, py in _samples(machine, x + ahead * math.cos(course), y + ahead * math.sin(course), yaw):
         flat = terrain.index(px, py)
         if flat >= 0 and (known is None or known.flat[flat]):
             points.append((px, py, terrain.height_view[flat]))
-    return plane_of(points, len(stance.feet))
+    return plane_of(points, len(stance.feet), _even(machine))
 
 
 def fitted_at_start(
     machine: Machine, gait: Gait, crab_angle: float, pose: tuple[float, float, float], height_at: Callable[[float, float], float]
 ) -> Machine:
     """The machine whose standard posture fits the ground it is to be set down on, level; itself where nothing fits."""
-    gx, gy = plane_of([(px, py, height_at(px, py)) for px, py in _samples(machine, *pose)], 0)
+    gx, gy = plane_of([(px, py, height_at(px, py)) for px, py in _samples(machine, *pose)], 0, _even(machine))
     slope = rounded(gx, SLOPE_GRAIN), rounded(gy, SLOPE_GRAIN)
     return fitted(machine, gait, pose[2], slope, (LEVEL, LEVEL), crab_angle) or machine
 
@@ -153,13 +153,18 @@ def _samples(machine: Machine, x: float, y: float, yaw: float) -> list[tuple[flo
     return [(x + c * u * half_x - s * v * half_y, y + s * u * half_x + c * v * half_y) for u in shares for v in shares]
 
 
-def plane_of(points: Sequence[Point], feet: int) -> Lean:
-    """Gradient of the plane through points of the ground, those far from it left out; of the first ``feet`` alone where few are left."""
+def _even(machine: Machine) -> float:
+    low, high = machine.z_range
+    return OUTLIER * (high - low)
+
+
+def plane_of(points: Sequence[Point], feet: int, even: float) -> Lean:
+    """Gradient of the plane through points of the ground within ``even`` m of it; of the first ``feet`` alone where few are left."""
     solid = [point for point in points if point[2] == point[2]]
     plane = _plane(solid)
     if plane is not None:
         gx, gy, z, mx, my = plane
-        near = [p for p in solid if abs(p[2] - z - gx * (p[0] - mx) - gy * (p[1] - my)) <= OUTLIER]
+        near = [p for p in solid if abs(p[2] - z - gx * (p[0] - mx) - gy * (p[1] - my)) <= even]
         if len(near) < len(solid):
             plane = _plane(near) if len(near) >= ENOUGH else _plane(points[:feet])
     return LEVEL if plane is None else (plane[0], plane[1])
@@ -293,6 +298,7 @@ def _longest(
         return machine
     low, high = machine.z_range
     halves = (1.0,) if max(math.hypot(*lean) for lean in leans) == 0.0 else HALVES
+    least = SPAN_LEAST * (full.x_span + full.y_span) / 2
     changing = max(math.dist(a, b) for a in leans for b in leans) if len(leans) == 2 else 0.0
     best, found = LEVEL, None
     for share in halves:
@@ -307,8 +313,8 @@ def _longest(
         inner, room = np.array([box[0], box[2]]), (box[1] - box[0], box[3] - box[2])
         shares = np.arange(1, SPANS + 1) / SPANS
         x, y = (grid.ravel() for grid in np.meshgrid(shares * room[0], shares * room[1]))
-        slack = SLACK + changing * (box[1] + box[3])
-        fits = (needs(inner, x, y) + slack <= (top - bottom) / cosine) & (x >= SPAN_MIN) & (y >= SPAN_MIN)
+        slack = SLACK * full.z_span + changing * (box[1] + box[3])
+        fits = (needs(inner, x, y) + slack <= (top - bottom) / cosine) & (x >= least) & (y >= least)
         if not fits.any():
             continue
         value, area = np.where(fits, np.round(worth(x, y), 6), -1.0), x * y
@@ -370,7 +376,7 @@ def _boxed(
     )
     if tilt == 0.0:
         return replace(machine, legs=legs)
-    turning = TURNING * (max(math.dist(a, b) for a in leans for b in leans) if len(leans) == 2 else 0.0)
+    turning = TURNING * gait.height * (max(math.dist(a, b) for a in leans for b in leans) if len(leans) == 2 else 0.0)
     vx, vy, vz = (v - turning for v in machine.speed)
     dx, dy, dz = machine.overreach
     cut = tilt * gait.lift_up

@@ -22,7 +22,7 @@ Lean = tuple[float, float]  # gradient of the body's floor along x and y
 LEVEL: Lean = (0.0, 0.0)
 LEAN_STEP = 0.02  # change of the lean in a step, m per m; larger: see it lose stride while it leans over
 LEANING = 25.0  # s in which it leans over by 1 m per m on feet that stand: 1 s for 2.3°
-WINDOW, MARK = 5.0, 1.0  # m of map around the body that is sheared, and by how much the window moves at a time
+WINDOW, REACHES, MARK = 5.0, 7.0, 1.0  # m of map around the body that is sheared, or times its reach; by how much the window moves
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -80,12 +80,12 @@ class Shears:
         if lean == LEVEL:
             return Frame(stance if stance.lean == lean else replace(stance, lean=lean), terrain, machine, lean, LEVEL, terrain)
         anchor = rounded(stance.body[0], MARK), rounded(stance.body[1], MARK)
-        return Frame(unleaned(stance, lean, anchor), self._map(terrain, lean, anchor), machine, lean, anchor, terrain)
+        return Frame(unleaned(stance, lean, anchor), self._map(terrain, lean, anchor, window_of(machine)), machine, lean, anchor, terrain)
 
-    def _map(self, terrain: TerrainMap, lean: Lean, anchor: tuple[float, float]) -> TerrainMap:
+    def _map(self, terrain: TerrainMap, lean: Lean, anchor: tuple[float, float], window: float) -> TerrainMap:
         kept = self._kept
         if kept is None or kept[0] is not terrain or kept[1] != lean or kept[2] != anchor:
-            self._kept = kept = terrain, lean, anchor, sheared(terrain, lean, anchor)
+            self._kept = kept = terrain, lean, anchor, sheared(terrain, lean, anchor, window)
         return kept[3]
 
 
@@ -140,11 +140,16 @@ def _within(machine: Machine, leg: int, foot: Point, body: tuple[float, float, f
     )
 
 
-def sheared(terrain: TerrainMap, lean: Lean, anchor: tuple[float, float]) -> TerrainMap:
-    """The map within ``WINDOW`` of ``anchor`` with the lean taken out of its heights; the window keeps its place in the grid."""
+def window_of(machine: Machine) -> float:
+    """How far around the body a step may have to know the ground, m: detours included."""
+    return max(WINDOW, REACHES * max(abs(v) for box in machine.boxes for v in box))
+
+
+def sheared(terrain: TerrainMap, lean: Lean, anchor: tuple[float, float], window: float = WINDOW) -> TerrainMap:
+    """The map within ``window`` of ``anchor`` with the lean taken out of its heights; the window keeps its place in the grid."""
     cell, (ox, oy) = terrain.cell, terrain.origin
-    c0, c1 = (max(0, min(terrain.columns, round((anchor[0] + side - ox) / cell))) for side in (-WINDOW, WINDOW))
-    r0, r1 = (max(0, min(terrain.rows, round((anchor[1] + side - oy) / cell))) for side in (-WINDOW, WINDOW))
+    c0, c1 = (max(0, min(terrain.columns, round((anchor[0] + side - ox) / cell))) for side in (-window, window))
+    r0, r1 = (max(0, min(terrain.rows, round((anchor[1] + side - oy) / cell))) for side in (-window, window))
     cut = slice(r0, r1), slice(c0, c1)
     x = ox + (np.arange(c0, c1) + 0.5) * cell - anchor[0]
     y = oy + (np.arange(r0, r1) + 0.5) * cell - anchor[1]
