@@ -48,7 +48,8 @@ PIECES_WANTED = 16  # the same while Level C waits for the step (F3): still well
 WAIT_MAX = 2  # ticks Level C waits on standing feet before it takes the best step thought of so far
 ALIKE = math.radians(10.0)  # courses this close share a thought; less: see it stand while a stick moves, more: see a step go astray
 POSE_TRIES = 24  # times a posture is begun anew because the ground, or a push, was not as planned, before it says so
-POSE_OFF = 0.01  # m a foot or the body may come out beside the plan of a posture; farther, and the rest of it is planned anew
+POSE_OFF = 0.015  # m a foot may seem to be beside the plan of a posture: sensors err; farther, and the rest is planned anew
+BODY_OFF = 0.002  # m the body may be; larger: see a push eat up the margin of the next swing
 SAME_GROUND = 0.01  # m; a foothold ahead whose believed height has changed by more is planned anew
 
 PlanStep = Callable[[Stance, Command, TerrainMap], StepPlan | Blocked]
@@ -382,7 +383,8 @@ class Walk:
             self._tries += 1
             self._pose_ground = terrain
             self._forget()
-        stance = self.stance = self._actual(sensing, self.stance)
+        here = self._actual(sensing, self.stance)
+        stance = self.stance = self.stance if _as_planned(here, self.stance) else here
         upright: Poses = ()
         if stance.lean != LEVEL:
             levelling = leaned(stance, LEVEL, self.machine)
@@ -454,13 +456,16 @@ class Walk:
         if any(not self.reflexes.landed[leg] for leg in plan.swing):
             return self._no_ground(sensing, terrain)
         stance = self._arrived(sensing)
+        good = _as_planned(stance, plan.end)
+        if good:
+            stance = plan.end  # what sensors say beside it is noise
         if self.posture == "standard":
             self._finish(replace(plan, end=stance))
         self.stance = stance
         if not self._poses:
             self._posed(stance)
             return 0.0
-        if not (_as_planned(stance, plan.end) and self._still_good(terrain)):
+        if not (good and self._still_good(terrain)):
             self._rest(stance)  # and plan anew from there: the posture is still wanted
             return 0.0
         self._play_pose()
@@ -726,8 +731,8 @@ def _as_planned(came: Stance, planned: Stance) -> bool:
     """True when a plan came out near enough to what the next one of its posture begins with."""
     if came is planned:
         return True
-    pairs = zip((came.body[:3], *came.feet), (planned.body[:3], *planned.feet), strict=True)
-    return all(abs(a - b) <= POSE_OFF for one, two in pairs for a, b in zip(one, two, strict=True))
+    pairs = [(came.body, planned.body, BODY_OFF), *((one, two, POSE_OFF) for one, two in zip(came.feet, planned.feet, strict=True))]
+    return all(abs(a - b) <= off for one, two, off in pairs for a, b in zip(one, two, strict=True))
 
 
 def feet_absolute(sensing: Sensing) -> tuple[Point, ...]:
