@@ -236,8 +236,8 @@ def circle_walk(
 
 
 def hands(given: argparse.Namespace) -> None:
-    for ground in given.ground:
-        for seed in range(given.first, given.first + given.count):
+    for seed in range(given.first, given.first + given.count):
+        for ground in given.ground:
             key = f"hand {given.robot} {given.beta} {ground} {given.seconds:g} s seed {seed}"
             if given.done(key):
                 seen, last = hand_walk(seed, ground, given.seconds, given.robot, given.beta)
