@@ -10,55 +10,15 @@ from planner.brain import start_stance
 from planner.crab.height import CLEARANCE
 from planner.lookahead import in_one_go
 from planner.machine import Machine, load_machine
-from planner.poses import GIVE, STILL, THERE, Poses, height_limits, regroup, sit, stand, standing_height
+from planner.poses import GIVE, STILL, THERE, Poses, regroup, sit, stand
 from planner.support import polygon_margin, support_polygon
-from planner.terrain import TerrainMap, classify
+from planner.terrain import TerrainMap
 from planner.vocabulary import Blocked, Gait, Phase, Stance, StepPlan
+from tests.sweeps.postures import MACHINES, gait_of, ground_of, random_stance
 
-MACHINES = {"titan3": "crab", "hexapod": "trace", "phantomx": "trace"}
 GROUNDS = ("level", "30 % forbidden", "80 % forbidden", "rough")
 POSTURES = 40  # of each machine on each ground
 ROUND = 1e-6  # m, and m/s
-
-
-def gait_of(machine: Machine, duty_factor: float | None = None) -> Gait:
-    return Gait(duty_factor or machine.duty_factor, machine.lift_up, machine.lift_down, machine.height)
-
-
-def ground_of(kind: str, machine: Machine, rng: np.random.Generator) -> TerrainMap:
-    """Six metres of ground (less for small machines) about the origin."""
-    scale = machine.height / 0.85
-    cell, count = 0.05 * min(1.0, 2 * scale), 120
-    heights, forbidden = np.zeros((count, count)), np.zeros((count, count), dtype=bool)
-    if kind == "rough":
-        coarse = rng.standard_normal((count // 6 + 2, count // 6 + 2))
-        at = np.arange(count) / 6
-        low, share = at.astype(int), at - at.astype(int)
-        along = coarse[:, low] * (1 - share) + coarse[:, low + 1] * share
-        heights = 0.04 * scale * (along[low] * (1 - share)[:, None] + along[low + 1] * share[:, None])
-        forbidden = classify(heights, cell, machine)
-    elif kind != "level":
-        forbidden = rng.random((count, count)) < float(kind.split()[0]) / 100
-    return TerrainMap(heights, forbidden, cell, (-count * cell / 2, -count * cell / 2), machine.foot_radius)
-
-
-def random_stance(machine: Machine, gait: Gait, terrain: TerrainMap, rng: np.random.Generator) -> Stance:
-    """Feet anywhere in their reach where they may stand, such that the machine stands on them, at any yaw."""
-    while True:
-        yaw = float(rng.uniform(-math.pi, math.pi))
-        c, s = math.cos(yaw), math.sin(yaw)
-        feet = []
-        for leg in machine.legs:
-            while True:
-                bx, by = float(rng.uniform(*leg.x)), float(rng.uniform(*leg.y))
-                x, y = c * bx - s * by, s * bx + c * by
-                if terrain.allows(x, y):
-                    break
-            feet.append((x, y, terrain.height_at(x, y)))
-        low, high = height_limits(feet, machine)
-        if low <= high and polygon_margin(support_polygon(feet), 0.0, 0.0) >= 0.0:
-            stance = Stance((0.0, 0.0, 0.0, yaw), tuple(feet))
-            return replace(stance, body=(0.0, 0.0, standing_height(stance, feet, terrain, machine, gait, (0.0, 0.0, yaw)), yaw))
 
 
 def in_body(plan: StepPlan) -> np.ndarray:
