@@ -56,6 +56,34 @@ def test_anybody_can_compute_the_state_hash_from_the_log(run_directory):
     assert summary["state_hash"] == f"{int.from_bytes(previous, 'little'):016x}"
 
 
+@pytest.mark.parametrize(
+    ("drive", "said"),
+    [
+        ('[{t=0.0, posture="sit", speed=0.1}]', "drive.0: posture = \"sit\" needs speed = 0"),
+        ('[{t=0.0, posture="stand", turn_rate_deg_s=1.0}]', "drive.0: posture = \"stand\" needs speed = 0"),
+        ('[{t=0.0, posture="lie"}]', "drive.0.posture should be 'sit', 'stand' or 'standard', got 'lie'"),
+        ("[{t=0.0, posture=1}]", "drive.0.posture should be 'sit', 'stand' or 'standard', got 1"),
+    ],
+)
+def test_a_posture_that_cannot_be_ends_in_one_clear_line(tmp_path, drive, said):
+    result = called("run", "flat", "--out", tmp_path / "no", "--set", f"drive={drive}")
+    assert result.exit_code == 2 and said in result.stderr and result.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("seconds", ("-1", "soon"))
+def test_how_long_to_wait_before_sitting_down_is_seconds(seconds):
+    result = called("serve", "--no-open", "--sit-after", seconds)
+    assert result.exit_code == 2 and "--sit-after" in result.stderr
+
+
+def test_a_recorded_posture_that_is_none_is_refused_by_its_line(run_directory, tmp_path):
+    for name in ("run.json", "ticks.npz"):
+        (tmp_path / name).write_bytes((run_directory / name).read_bytes())
+    (tmp_path / "inputs.jsonl").write_text('{"tick": 0, "input": "pose", "posture": "lie"}\n')
+    result = called("replay", tmp_path)
+    assert result.exit_code == 2 and "line 1" in result.stderr and "there are: sit, stand, standard" in result.stderr
+
+
 def test_a_replay_is_equal_and_a_changed_input_is_found(run_directory, tmp_path):
     assert called("replay", run_directory).exit_code == 0
     copy = tmp_path / "copy"

@@ -86,6 +86,23 @@ def test_the_type_of_a_drive_frame_may_be_left_out(client: TestClient, clock: Wa
         assert clock.newest.command.speed == 0.05
 
 
+def test_a_posture_frame_takes_the_lease_and_the_posture(client: TestClient, clock: WalkingClock) -> None:
+    with page(client) as one, page(client) as two:
+        one.told("snapshot")
+        one.socket.send_json({"type": "posture", "seq": 1, "echo_tick": 0, "posture": "sit"})
+        assert one.told("lease")["held"]
+        for _ in range(20):
+            clock.beat()
+        assert clock.newest.mode.name == "SIT_DOWN"
+        two.socket.send_json({"type": "posture", "seq": 1, "echo_tick": clock.newest.tick, "posture": "stand"})
+        assert two.refusal() == f"{one.name} is driving"
+        two.socket.send_json({"type": "posture", "seq": 2, "echo_tick": clock.newest.tick, "posture": "lie"})
+        assert "posture" in two.refusal()
+        for _ in range(60):
+            clock.beat()
+        assert clock.newest.mode.name == "SIT"
+
+
 def test_a_second_page_views_and_is_told_who_drives(client: TestClient) -> None:
     with page(client) as one, page(client) as two:
         assert two.told("lease")["holder"] is None
