@@ -1,6 +1,7 @@
 """Random hands on the joystick, circles and turns on the spot, through the real console, every tick looked at.
 
 Run: python -m tests.sweeps.hands hands|circles [--ground flat|cells] [--count N] [--from SEED] [--seconds S] [--out FILE]
+     python -m tests.sweeps.hands answers
      python -m tests.sweeps.hands join FILE ...
 One process. ``--out`` appends one line of JSON a walk and leaves out what is in the file already: a sweep may be broken off
 and begun again, in pieces; ``join`` makes one table of them. The results are kept in docs/predictive.md.
@@ -43,6 +44,10 @@ FEET_STAND = 1e-9  # m a standing foot may move in a tick
 RADII = (1.0, 2.0, 5.0)  # m
 EVERY = 15  # degrees of crab angle
 CIRCLE_SPEED, SPOT_RATE = 0.08, math.radians(8.0)  # m/s, rad/s
+STOPS = range(3, 330, 9)  # ticks into a straight walk at which it is stopped
+RAMP = 10  # ticks in which a stick is pushed all the way
+ANSWERED = 2e-4  # m of body path, turning counted by ρ: seen to move
+COURSES = (*((angle, 0.08, 0.0) for angle in range(-180, 180, 45)), (0, 0.0, 0.1), (0, 0.0, -0.1), (17, 0.08, 0.08), (-115, 0.08, -0.08))
 PATIENCE = 4.0  # times as long as the commanded pace would take
 
 
@@ -232,6 +237,46 @@ def circle_walk(
     return watched.seen
 
 
+# answers
+
+
+def answers(given: argparse.Namespace) -> None:
+    """A walk stopped at every phase, all feet down, then the stick pushed some way: how long until the body moves."""
+    print("| ground | stick | pushes | within 0.1 s | within 0.5 s | within 1 s | most, s | feet first |")
+    print("|---" * 8 + "|")
+    for ground in given.ground:
+        for ramp, how in ((1, "at once"), (RAMP, f"within {RAMP * TICK:g} s")):
+            times, waits = [], 0
+            for stop in STOPS:
+                for degrees, speed, turn in COURSES:
+                    seconds, moves = answer(ground, stop, Command(math.radians(degrees), speed, turn), ramp)
+                    times.append(seconds)
+                    waits += not moves
+            shares = [f"{sum(t <= limit + 1e-9 for t in times) / len(times):.1%}" for limit in (0.1, 0.5, 1.0)]
+            print("| " + " | ".join([ground, how, str(len(times)), *shares, f"{max(times):.2f}", str(waits)]) + " |", flush=True)
+
+
+def answer(ground: str, stop: int, command: Command, ramp: int) -> tuple[float, bool]:
+    """Seconds until the body moves, and whether it does so in its first step (else a foot has to be put elsewhere first)."""
+    console = console_on(ground, FIRST_SEED, "titan3", 0.8)
+    console.order(Command(0.0, 0.08))
+    for _ in range(stop):
+        console.tick()
+    console.order(Command())
+    for _ in range(50):
+        console.tick()
+    x, y, *_, yaw = console.plant.body
+    begun = console.walk.steps_begun
+    for ticks in range(1, 500):
+        share = min(1.0, ticks / ramp)
+        console.order(Command(command.crab_angle, share * command.speed, share * command.turn_rate))
+        console.tick()
+        body = console.plant.body
+        if math.hypot(body[0] - x, body[1] - y, console.world.machine.yaw_length * (body[5] - yaw)) > ANSWERED:
+            break
+    return ticks * TICK, console.walk.steps_begun == begun + 1
+
+
 # pieces and tables
 
 
@@ -322,7 +367,7 @@ def table(rows: list[dict[str, Any]]) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("sweep", choices=("hands", "circles", "join"))
+    parser.add_argument("sweep", choices=("hands", "circles", "answers", "join"))
     parser.add_argument("files", nargs="*", type=Path, help="for join")
     parser.add_argument("--ground", nargs="+", choices=GROUNDS, default=list(GROUNDS))
     parser.add_argument("--count", type=int, default=200, help="hands")
@@ -335,6 +380,9 @@ def main() -> None:
     given = parser.parse_args()
     if given.sweep == "join":
         table([row for path in given.files for row in rows_of(path)])
+        return
+    if given.sweep == "answers":
+        answers(given)
         return
     kept = Kept(given.out)
     given.done, given.keep = kept.done, kept.keep
