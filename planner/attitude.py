@@ -48,6 +48,7 @@ AHEAD = 0.43  # of the reach ahead of the body, the middle of the ground that co
 SAMPLES = 5  # of the ground, along and across
 OUTLIER = 0.4  # of z* from the plane; farther is a block, a pole or a pit and no slope
 ENOUGH = 8  # samples that make a slope; fewer: the feet alone
+SURE = 0.002  # m of planned margin a step that leans must have; 0: see it rock off a narrow triangle on 25°
 TURNING = 3.5  # H a second of every leg's speed kept for the lean itself, per m/m that changes in a step; 0: see feet land aside
 
 
@@ -63,22 +64,31 @@ class Attitude:
         self._think = think
         self._shears = Shears()
         self._slope = LEVEL  # that the present strides are fitted to
+        self._trust = 1.0  # share of the lean it would take on this slope: less after steps with it that stood on an edge
 
     def __call__(self, stance: Stance, command: Command, terrain: TerrainMap) -> Thinking:
         frame = self.frame(stance, command, terrain)
-        answer = yield from self._think(frame.machine)(frame.stance, command, frame.terrain)
-        if isinstance(answer, StepPlan):
-            return frame.restored(answer, stance)
-        if stance.lean != LEVEL:
-            return leaned(stance, approached(stance.lean, LEVEL), self.machine) or answer
-        if frame.machine is self.machine:
+        answer = yield from self._thought(frame, command)
+        if frame.lean != LEVEL or stance.lean != LEVEL:
+            if isinstance(answer, StepPlan) and not on_edge(answer):
+                return frame.restored(answer, stance)
+            self._trust /= 2
+            if stance.lean != LEVEL:
+                back = leaned(stance, approached(stance.lean, LEVEL), self.machine)
+                return back or (frame.restored(answer, stance) if isinstance(answer, StepPlan) else answer)
+            frame = self.frame(stance, command, terrain, may_lean=False)
+            answer = yield from self._thought(frame, command)
+        if isinstance(answer, StepPlan) or frame.machine is self.machine:
             return answer
         return (yield from self._think(self.machine)(stance, command, terrain))  # feet where the shorter strides do not want them
 
-    def frame(self, stance: Stance, command: Command, terrain: TerrainMap) -> Frame:
+    def _thought(self, frame: Frame, command: Command) -> Thinking:
+        return self._think(frame.machine)(frame.stance, command, frame.terrain)
+
+    def frame(self, stance: Stance, command: Command, terrain: TerrainMap, may_lean: bool = True) -> Frame:
         """The lean of the next step, and the frame it is planned in."""
         slope = self._slope_known(slope_under(stance, command, terrain, self.machine))
-        lean = self._next_lean(stance, command, slope)
+        lean = self._next_lean(stance, command, slope) if may_lean else LEVEL
         machine = self._fitted(stance, command, slope, lean)
         if machine is None and stance.lean != LEVEL:
             lean = approached(stance.lean, LEVEL)
@@ -95,6 +105,7 @@ class Attitude:
         """The slope rounded, and the one before as long as it is near: strides that change with every step keep no standard walk."""
         if math.dist(measured, self._slope) >= STAYS * SLOPE_GRAIN:
             self._slope = rounded(measured[0], SLOPE_GRAIN), rounded(measured[1], SLOPE_GRAIN)
+            self._trust = 1.0
         return self._slope
 
     def _next_lean(self, stance: Stance, command: Command, slope: Lean) -> Lean:
@@ -102,7 +113,7 @@ class Attitude:
         target = LEVEL
         if self.kind == "ground":
             gx, gy = self._followed(stance, command, slope)
-            target = towards_level(gx), towards_level(gy)
+            target = towards_level(self._trust * gx), towards_level(self._trust * gy)
         return approached(stance.lean, target)
 
     def _followed(self, stance: Stance, command: Command, slope: Lean) -> Lean:
@@ -112,6 +123,11 @@ class Attitude:
         else:
             share = followed(self.machine, self.gait, _seen(slope, stance.body[3]), _whole_degrees(command.crab_angle))
         return share * slope[0], share * slope[1]
+
+
+def on_edge(plan: StepPlan) -> bool:
+    """True of a step so daring that a body which leans over in it could rock off its feet."""
+    return plan.margin_min < min(SURE, plan.standard_margin)
 
 
 # the slope

@@ -15,6 +15,7 @@ import numpy as np
 
 from .machine import Leg, Machine
 from .reflex import attitude_of
+from .support import polygon_margin, support_polygon
 from .terrain import TerrainMap
 from .vocabulary import TICK, Phase, Point, Stance, StepPlan
 
@@ -123,7 +124,11 @@ def leaned(stance: Stance, lean: Lean, machine: Machine) -> StepPlan | None:
         return None
     seconds = max(LEANING * math.dist(stance.lean, lean), TICK)
     body, feet = np.array([stance.body] * 2), np.array([stance.feet] * 2)
-    return StepPlan(stance.lifted, np.array([0.0, seconds]), body, feet, (Phase.SHIFT,), replace(stance, lean=lean), lean=stance.lean)
+    carrying = [foot for leg, foot in enumerate(stance.feet) if leg not in stance.lifted]
+    margin = polygon_margin(support_polygon(carrying), stance.body[0], stance.body[1])
+    return StepPlan(
+        stance.lifted, np.array([0.0, seconds]), body, feet, (Phase.SHIFT,), replace(stance, lean=lean), margin_min=margin, lean=stance.lean
+    )
 
 
 def _within(machine: Machine, leg: int, foot: Point, body: tuple[float, float, float, float], roll: float, pitch: float) -> bool:

@@ -11,7 +11,7 @@ from planner.vocabulary import Command, Mode
 from server.console import Console, Edit, Follow, Pose, Push, prepare
 from server.headless import replay, run
 from server.recording import Recorder, input_from
-from sim.scenarios import ScenarioError, scenario_from
+from sim.scenarios import ScenarioError, load_scenario, scenario_from
 
 SPEED = 0.08  # m/s
 LOWEST = -0.001  # m of margin
@@ -101,6 +101,15 @@ def test_a_body_that_follows_the_ground_leans_up_the_slope(degrees, course):
     assert math.cos(math.atan2(gy, gx) - up) > 0.99
     assert hill.off < UNEVEN  # Level C has it as the plan does, in every tick
     assert hill.console.distance > 0.6
+
+
+@pytest.mark.parametrize("course", [111, 249])
+def test_a_lean_that_would_stand_on_an_edge_is_given_up(course):
+    """On 25 degrees the way into a lean leads through strides so short that only steps without any margin are left."""
+    hill = Hill(25, course, "ground")
+    hill.walk(12)
+    hill.is_well()
+    assert hill.console.distance > 0.2
 
 
 def test_across_a_slope_of_10_degrees_the_body_follows_it_nearly_all_the_way():
@@ -211,6 +220,13 @@ def test_a_change_of_attitude_is_recorded_and_replayed():
     assert recorder.state_hash == hill.recorder.state_hash
     with pytest.raises(ValueError, match="there are: level, ground"):
         input_from({"input": "attitude", "attitude": "askew"})
+
+
+@pytest.mark.parametrize("name", ["rough", "stairs-up"])
+def test_uneven_ground_is_walked_by_a_body_that_follows_it(name):
+    summary = run(load_scenario(name, ['attitude="ground"']))
+    assert summary["result"] == "completed" and summary["falls"] == 0
+    assert summary["forbidden_steps"] == 0 and summary["margin_min"] >= LOWEST
 
 
 @pytest.mark.parametrize("more", [{"mode": "paper"}, {"mode": "naive"}, {"planner": "trace"}])
