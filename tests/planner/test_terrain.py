@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from planner.machine import load_machine
-from planner.terrain import TerrainMap, classify
+from planner.terrain import TerrainMap, classify, kinds
 
 MACHINE = load_machine("titan3")
 
@@ -78,6 +78,27 @@ def test_a_pole_too_tall_to_step_on_is_forbidden():
     forbidden = classify(heights, 0.025, MACHINE)
     assert forbidden[40, 40]
     assert not forbidden[10, 10]
+
+
+def hillside(degrees, heading, cell=0.025):
+    x, y = (np.arange(60) + 0.5) * cell, (np.arange(50) + 0.5) * cell
+    steep = math.tan(math.radians(degrees))
+    return steep * (math.cos(math.radians(heading)) * x[None, :] + math.sin(math.radians(heading)) * y[:, None])
+
+
+@pytest.mark.parametrize("heading", [0, 30, 45, 90, 135, 250])
+def test_an_even_slope_of_25_degrees_may_be_stepped_on_whichever_way_it_lies_to_the_cells(heading):
+    heights = hillside(25, heading)
+    assert not classify(heights, 0.025, MACHINE)[2:-2, 2:-2].any()
+    assert not kinds(heights, np.ones(heights.shape, dtype=bool), 0.025, MACHINE)[2:-2, 2:-2].any()
+
+
+@pytest.mark.parametrize("degrees", [0, 15, 25])
+def test_a_riser_under_the_foot_is_still_an_edge_on_a_slope(degrees):
+    heights = hillside(degrees, 45)
+    heights[:, 30:] += 0.05
+    forbidden = classify(heights, 0.025, MACHINE)
+    assert forbidden[5:-5, 29:31].all() and not forbidden[5:-5, 33:-5].any()
 
 
 def test_a_long_plain_slope_is_not_mistaken_for_a_tall_rise():
