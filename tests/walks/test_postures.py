@@ -2,12 +2,13 @@
 
 import json
 import math
+import random
 
 import numpy as np
 import pytest
 
 from planner.crab.measures import is_standard, off_standard
-from planner.vocabulary import Command, Mode
+from planner.vocabulary import POSTURES, Command, Mode
 from server.console import Console, Edit, Halt, Pose, Push, disc, prepare
 from server.headless import replay, succeeded
 from sim.scenarios import ScenarioError, load_scenario, scenario_from
@@ -282,6 +283,22 @@ def test_a_posture_asked_for_by_a_held_command_ends_that_command():
     console.request(Pose("sit"))
     run(console, 4 * SECOND)
     assert console.command == HOLD and console.mode is Mode.SIT
+
+
+@pytest.mark.parametrize("settings", ((), (FOOTHOLDS % 0.7,), (*SIX, FOOTHOLDS % 0.3)))
+@pytest.mark.parametrize("seed", (1, 2))
+def test_a_hand_that_cannot_make_up_its_mind_gets_a_machine_neither_down_nor_stuck(settings, seed):
+    console, hand, until, low = walking(1, *settings, command=HOLD), random.Random(seed), 0, False
+    for tick in range(40 * SECOND):
+        if tick >= until:
+            until = tick + hand.randint(3, 150)
+            console.request(Pose(hand.choice(POSTURES))) if hand.random() < 0.5 else console.request(Halt())
+            if hand.random() < 0.5:
+                console.order(Command(hand.uniform(-3.0, 3.0), hand.choice((0.05, 0.1)), hand.choice((0.0, 0.0, 0.1))))
+        run(console, 1)
+        low = low or console.mode is Mode.SIT
+        assert console.mode is not Mode.BLOCKED, console.reason
+    assert low and console.refused == "" and console.walk.steps_begun > 5
 
 
 # when it cannot
