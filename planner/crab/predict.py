@@ -17,7 +17,7 @@ from ..lookahead import Branch, Found, Option, beam, firsts, ranked, rollouts
 from .choices import SMALL, Field, State, Sway, near_steps, reserve, sways, wide_steps
 from .landing import NEAR
 from .standard import AGREEMENT, SUCCESSOR, Posture, Standard
-from .xy import Step, decide
+from .xy import SLACK, Step, decide
 
 DEPTH, WIDTH = 6, 6  # steps the beam looks ahead, and how many ways it follows; narrower and it dies on 80 % prohibited ground
 PER_SHIFT = 6  # footholds of one leg and shift the beam tries
@@ -168,11 +168,11 @@ def gain_with(field: Field, care: float) -> Callable[[Chosen], float]:
 
 
 def policy_with(field: Field, gain: Callable[[Chosen], float]) -> Callable[[State], tuple[State, float] | None]:
-    """The paper's policy as a rollout follows it."""
+    """The paper's policy as a rollout follows it, but for steps it could not take itself: promises nobody keeps make it mark time."""
 
     def policy(state: State) -> tuple[State, float] | None:
         step = decide(field.standard, state.posture, field.ground, field.accepts(state))
-        return None if step is None else (field.after(state, step), gain(step))
+        return None if step is None or step.margin < field.least - SLACK else (field.after(state, step), gain(step))
 
     return policy
 

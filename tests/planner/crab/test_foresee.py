@@ -12,7 +12,7 @@ from planner.crab.plan import plan_step
 from planner.crab.standard import standard_stance
 from planner.support import MARGIN_SLACK, polygon_margin, support_polygon
 from planner.terrain import TerrainMap
-from planner.vocabulary import Blocked, Phase, StepPlan
+from planner.vocabulary import Blocked, Phase, Stance, StepPlan
 
 LOWER = 0.001  # m below s0 that still counts as the standard margin
 
@@ -73,6 +73,17 @@ def test_from_any_posture_it_comes_to_the_standard_walk_within_sixteen_steps(see
     assert is_standard(off_standard(TITAN, settings, plans[-1].crab_angle, plans[-1].end))
     still = [plan.shift < 0.001 for plan in plans]
     assert not any(all(still[k : k + 5]) for k in range(len(still) - 4))
+
+
+def test_legs_that_step_on_the_spot_in_turn_give_way_to_a_shift_of_the_body():
+    """Legs 3 and 4 bind the body, which stands over the other two; each step on the spot promises a better next one."""
+    feet = ((0.3597, 0.3961, 0.0), (-0.4831, 0.4484, 0.0), (-0.6305, -0.3041, 0.0), (0.6321, -0.3430, 0.0))
+    stance = Stance((0.0, 0.0, TITAN.height, 0.0), feet)
+    plans = walk(command(-57.644), 24, holes(span=12.0), stance, gait(0.88817))
+    assert all(isinstance(plan, StepPlan) for plan in plans)
+    still = [plan.shift < 0.001 for plan in plans]
+    assert any(still) and not any(all(still[k : k + 5]) for k in range(len(still) - 4))
+    assert all(plan.margin_min >= plan.standard_margin - LOWER for plan in plans[16:])
 
 
 @pytest.mark.parametrize(("degrees", "fraction", "share"), [(0, 0.3, 0.92), (90, 0.5, 0.8), (20, 0.8, 0.6), (45, 0.8, 0.35)])
