@@ -106,6 +106,11 @@ class Playback:
         s = min(max(t, 0.0), self.duration) - start
         return x + vx * s, y + vy * s, z + vz * s, yaw + turn * s
 
+    def body_moves(self, t: float) -> bool:
+        """True when the plan has the body go or turn at t."""
+        vx, vy, _, turn = self._stretches[self.stretch(t)].rate
+        return vx != 0.0 or vy != 0.0 or turn != 0.0
+
     def foot_at(self, leg: int, t: float) -> Point:
         """Where the plan has one foot tip at t."""
         stretch = self._stretches[self.stretch(t)]

@@ -219,14 +219,17 @@ class Walk:
         return self._switch(sensing, command, terrain, max(left, 0.0))
 
     def _pace_for(self, command: Command) -> float:
-        """How fast to play the plan: a change of speed inside a step takes effect at once, never above its v_max."""
+        """How fast to play the plan: a change of speed inside a step takes effect at once, never above its v_max.
+
+        A body that waits for its foot is not kept waiting longer by a slower command.
+        """
         plan = self.plan
         if self.kind != "step" or plan.speed <= 0.0:
             return 1.0
         wanted = math.hypot(command.speed, self.machine.yaw_length * command.turn_rate)
         ratio = min(wanted, plan.speed_max) / plan.speed if plan.speed_max > 0.0 else wanted / plan.speed
         if ratio <= 1.0 + 1e-12:
-            return min(ratio, 1.0)
+            return 1.0 if ratio >= 1.0 or not self.playback.body_moves(self.t) else ratio
         return min(ratio, max(1.0, self.playback.pace_max(self.t, self.machine)))
 
     # step switching: H §4.4, §9.3

@@ -5,7 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from planner.vocabulary import Command
+from planner.vocabulary import TICK, Command
+from server.console import Console, prepare
+from sim.scenarios import load_scenario
 from tests.sweeps.hands import Watched, circle_walk, console_on, hand_walk
 
 COURSES = {"straight": Command(0.3, 0.08), "arc": Command(0.3, 0.08, 0.06), "spot": Command(0.0, 0.0, 0.1)}
@@ -46,6 +48,22 @@ def test_a_stick_pushed_farther_and_farther_out_is_answered_meanwhile():
     positions = [Command(0.3, f * 0.08, f * 0.06) for f in (1.0 + 0.5 * math.sin(k / 25) for k in range(SECONDS * 50))]
     seen, stood = walked(positions)
     assert seen.way > 0.08 * SECONDS * 0.8 and seen.stood < 2.5 and not seen.amiss
+
+
+def test_a_body_that_waits_for_its_foot_does_not_wait_longer_when_the_stick_is_drawn_back():
+    feet = "start.feet=[[0.3597,0.3961],[-0.4831,0.4484],[-0.6305,-0.3041],[0.6321,-0.3430]]"  # it must step on the spot at first
+    console = Console(prepare(load_scenario("flat", [feet, "gait.duty_factor=0.888"])))
+    console.order(Command(math.radians(-57.6), 0.08))
+    for _ in range(500):
+        console.tick()
+        if console.walk.kind == "step" and console.walk.plan.shift < 1e-6:
+            break
+    begun, plan = console.walk.steps_begun, console.walk.plan
+    assert console.walk.kind == "step" and plan.shift < 1e-6
+    console.order(Command(math.radians(-57.6), 0.002))
+    for _ in range(math.ceil(console.walk.playback.duration / TICK)):
+        console.tick()
+    assert console.walk.steps_begun > begun or console.walk.kind == "stand"
 
 
 @pytest.mark.parametrize(("seed", "ground"), [(1, "flat"), (2, "cells"), (2020, "flat")])
