@@ -38,6 +38,7 @@ HOMEWARD = 20.0  # s of one steady command after the last change: it must walk y
 MOVES = {"any": 0.2, "straight": 0.2, "spot": 0.1, "release": 0.1, "reverse": 0.1, "speed": 0.1, "turn": 0.1, "tremble": 0.1}
 MOVED = 0.005  # m of body path, turning counted by ρ: the body has moved
 STANDS = 8.0  # s; a body commanded to move that has not for so long is dead-locked
+CREEPS = 0.01  # m/s, turning counted by ρ; a command that asks for less does not say whether the body is stuck
 BLOCKED = 0.5  # s; a hand that stays gets no other answer: on such ground that is a dead-lock too
 FEET_STAND = 1e-9  # m a standing foot may move in a tick
 
@@ -99,6 +100,10 @@ class Watched:
         body = self.console.plant.body
         return body[0], body[1], body[5]
 
+    def _pace(self) -> float:
+        command = self.console.command
+        return math.hypot(command.speed, self.console.world.machine.yaw_length * command.turn_rate)
+
     def order(self, command: Command) -> None:
         self.console.order(command)
 
@@ -139,7 +144,7 @@ class Watched:
         away = math.hypot(x - self._anchor[0], y - self._anchor[1], console.world.machine.yaw_length * (yaw - self._anchor[2]))
         if away >= MOVED:
             self._anchor, self._standing = (x, y, yaw), 0
-        elif not console.command.holds:  # a release ends no dead-lock: time goes on counting when it is driven again
+        elif self._pace() >= CREEPS:  # a release ends no dead-lock: time goes on counting when it is driven again
             self._standing += 1
             if self._standing * TICK > seen.stood:
                 seen.stood, seen.stood_at = self._standing * TICK, seen.seconds
