@@ -19,6 +19,7 @@ from .trajectory import Knot, Swing, Timing, knots, speed_limit, timing
 from .turning import plan_turn, turns
 from .xy import STANDING_LEG, Notes, Shift, Step, decide, exits_of
 
+SWEPT = (0.0, 0.25, 0.5, 0.75)  # shares of a swing at which the leg that swings is held against them; coarser and a pole slips between
 LEG_CHECKS = (0.25, 0.5, 0.75, 1.0)  # shares of a step at which the legs are held against tall things; 6 cm apart at most
 LEVEL = 0.005  # m; feet this close to the height of level ground stand on it: no height to plan
 
@@ -123,7 +124,7 @@ class Ahead:
         height = self._height(leg, shift.g, landing, z, low, high)
         if self.crest(leg, landing) + CLEARANCE > self.ceiling(height):
             return "the foot cannot be lifted over the ground on the way"
-        if self.has_tall and self._new_leg_meets(shift, landing, z, height):
+        if self.has_tall and (self._new_leg_meets(shift, landing, z, height) or self._swinging_leg_meets(shift, landing)):
             return "a leg would run into something tall"
         return None
 
@@ -139,6 +140,20 @@ class Ahead:
         feet: list[Point | None] = [None] * len(self.stance.feet)
         feet[u] = landing.ax, landing.ay, ground
         return leg_in_the_way(self.terrain, self.machine, (x, y, height, self.stance.body[3]), feet) is not None
+
+    def _swinging_leg_meets(self, shift: Shift, landing: Landing) -> bool:
+        """True when the leg that swings sweeps through ground on its way, lifted as it is; first where its foot stands yet."""
+        u, (_, _, z, yaw) = self.standard.body_leg[shift.leg], self.stance.body
+        from_x, from_y, from_z = self.stance.feet[u]
+        top = min(max(from_z + self.gait.lift_up, self.crest(shift.leg, landing) + CLEARANCE), self.ceiling(z))
+        feet: list[Point | None] = [None] * len(self.stance.feet)
+        for share in SWEPT:
+            way = shift.g0 + share * (shift.g - shift.g0)
+            x, y = self.posture.absolute(way * self.standard.ux, way * self.standard.uy)
+            feet[u] = from_x + share * (landing.ax - from_x), from_y + share * (landing.ay - from_y), top if share else from_z
+            if leg_in_the_way(self.terrain, self.machine, (x, y, z, yaw), feet) is not None:
+                return True
+        return False
 
     def _standing_legs_meet(self, u: int, g: float) -> bool:
         """True when on the way of the step a leg that stays meets ground, whatever the foothold; asked for every cell, so remembered."""

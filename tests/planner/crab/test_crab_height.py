@@ -7,6 +7,10 @@ import pytest
 from crab_walks import TITAN, Blocked, command, gait, holes, relief, walk
 
 from planner.crab.height import body_height, ground_ahead, height_range, torso_needs, torso_needs_exactly
+from planner.crab.landing import ground_of
+from planner.crab.plan import Ahead
+from planner.crab.standard import posture_of, standard_for, standard_stance
+from planner.crab.xy import Shift, decide
 from planner.terrain import TerrainMap, classify
 
 
@@ -105,7 +109,6 @@ def test_the_torso_is_held_against_its_turned_rectangle_when_the_square_is_too_c
 
 def test_a_foothold_too_high_for_the_lift_is_refused_and_the_reason_noted():
     from planner.crab.plan import plan_step
-    from planner.crab.standard import standard_stance
 
     heights = np.where(np.arange(200)[None, :] * 0.05 - 5.0 > 0.72, 0.45, 0.0) * np.ones((200, 1))
     ledge = TerrainMap(heights, np.zeros(heights.shape, dtype=bool), 0.05, (-5.0, -5.0))
@@ -118,3 +121,26 @@ def test_a_foothold_too_high_for_the_lift_is_refused_and_the_reason_noted():
             break
         stance = plan.end
     assert reasons & {"the foot cannot be lifted over the ground on the way", "too high or too low for the legs to reach together"}
+
+
+def test_the_leg_that_swings_is_not_swept_through_a_pole():
+    """Old and new foothold are free, the legs that stand are clear of it; halfway it stands between hip and foot."""
+    settings = gait()
+    stance = standard_stance(TITAN, settings, 0.0, 0.0, 0.0, 0.0, lambda x, y: 0.0)
+    standard = standard_for(TITAN, settings, 0.0)
+    posture = posture_of(standard, stance)
+    step = decide(standard, posture, ground_of(holes()))
+    shift, leg = Shift(step.leg, step.g0, step.g, -1.0, 1.0), standard.body_leg[step.leg]
+    way = (step.g0 + step.g) / 2
+    (hip_x, hip_y), (foot_x, foot_y) = TITAN.hips[leg], stance.feet[leg][:2]
+    middle_x, middle_y = (foot_x + step.landing.ax) / 2, (foot_y + step.landing.ay) / 2
+    x, y = hip_x + way + 0.5 * (middle_x - hip_x - way), hip_y + 0.5 * (middle_y - hip_y)
+    for height, refusal in ((0.0, None), (0.3, None), (0.8, "a leg would run into something tall")):
+        open_ground = holes()
+        heights = open_ground.heights.copy()
+        row, column = open_ground.cell_at(x, y)
+        heights[row, column] = height
+        terrain = TerrainMap(heights, open_ground.forbidden, open_ground.cell, open_ground.origin)
+        ahead = Ahead(standard, posture, stance, terrain, TITAN, settings)
+        assert not ahead._new_leg_meets(shift, step.landing, 0.0, TITAN.height)
+        assert ahead.refuses(shift, step.landing) == refusal, height
