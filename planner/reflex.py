@@ -129,11 +129,28 @@ class Playback:
 
     def pace_max(self, t: float, machine: Machine) -> float:
         """How many times faster than planned the stretch at t may be played before a foot exceeds its limit."""
+        return self._paces_of(machine)[self.stretch(t)]
+
+    def _paces_of(self, machine: Machine) -> list[float]:
         if self._paces is None:
             tilt = max(math.hypot(*self.lean_at(0.0)), math.hypot(*self.plan.end.lean))  # a leaning leg goes sideways as it goes up
             limits = machine.speed[0] / (1.0 + tilt), machine.speed[1] / (1.0 + tilt), machine.speed[2] / (1.0 + tilt)
             self._paces = [_pace(stretch, end, limits) for stretch, end in zip(self._stretches, self._times[1:], strict=True)]
-        return self._paces[self.stretch(t)]
+        return self._paces
+
+    def onward(self, t: float, seconds: float, pace: float, machine: Machine) -> tuple[float, float]:
+        """Where playing from t at ``pace`` times the plan's speed gets in so many seconds, and the seconds left at its end.
+
+        No stretch is played faster than its feet allow: the foot of a creeping body comes down no faster than ever.
+        """
+        times, paces = self._times, self._paces_of(machine)
+        for k in range(max(bisect_right(times, t) - 1, 0), len(paces)):
+            allowed = min(pace, max(1.0, paces[k]))
+            needed = (times[k + 1] - t) / allowed
+            if needed > seconds:
+                return t + allowed * seconds, 0.0
+            t, seconds = times[k + 1], seconds - needed
+        return t, seconds
 
 
 def _stretch(plan: StepPlan, k: int, times: list[float], body: list[list[float]], feet: list[list[list[float]]]) -> _Stretch:

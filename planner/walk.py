@@ -206,10 +206,12 @@ class Walk:
             self.pace = 0.0
             return self.t
         self.pace = self._pace_for(command)
-        t_next = self.t + self.pace * DT
-        if t_next < self.playback.duration - 1e-9:
+        t_next, duration = self.t + self.pace * DT, self.playback.duration
+        left = (t_next - duration) / self.pace if self.pace > 0.0 else 0.0
+        if self.pace > 1.0:
+            t_next, left = self.playback.onward(self.t, DT, self.pace, self.machine)
+        if t_next < duration - 1e-9:
             return t_next
-        left = (t_next - self.playback.duration) / self.pace if self.pace > 0.0 else 0.0
         if self.kind == "emergent":
             return self.playback.duration
         if self.kind == "settle":

@@ -66,6 +66,23 @@ def test_a_body_that_waits_for_its_foot_does_not_wait_longer_when_the_stick_is_d
     assert console.walk.steps_begun > begun or console.walk.kind == "stand"
 
 
+@pytest.mark.parametrize("ticks", [10, 60, 110, 160])
+def test_a_foot_comes_down_at_its_own_speed_when_a_creeping_stick_is_pushed(ticks):
+    """The step of a creeping body is minutes long; played much faster it must not jump over the way down."""
+    console = console_on("flat", 1, "titan3", 0.8)
+    console.order(Command(0.0, 0.004))
+    phases = set()
+    for _ in range(60):
+        for _ in range(ticks):
+            console.tick()
+        console.order(Command(0.0, 0.25))
+        phases.add(console.walk.mode)
+        for _ in range(8):
+            console.tick()
+        console.order(Command(0.0, 0.004))
+    assert not console.walk.emergent and console.plant.state == "standing" and len(phases) > 1
+
+
 @pytest.mark.parametrize(("seed", "ground"), [(1, "flat"), (2, "cells"), (2020, "flat")])
 def test_a_restless_hand_comes_to_no_harm_and_is_never_stuck(seed, ground):
     seen, last = hand_walk(seed, ground, 55.0)
