@@ -241,7 +241,7 @@ class Scenario(_Table):
     gait: GaitChange = GaitChange()
     terrain: AnyTerrain = Flat(kind="flat")
     start: Start = Start()
-    drive: list[Drive] = Field(default=[], max_length=1000)
+    drive: list[Drive] = Field(default=[], max_length=10_000)
     trace: Trace | None = None
     end: End = End()
     expect: Expect = Expect()
