@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .machine import Leg, Machine
-from .reflex import attitude_of
+from .reflex import attitude_of, rotation, unturned
 from .support import polygon_margin, support_polygon
 from .terrain import TerrainMap
 from .vocabulary import TICK, Phase, Point, Stance, StepPlan
@@ -133,12 +133,7 @@ def leaned(stance: Stance, lean: Lean, machine: Machine) -> StepPlan | None:
 
 def _within(machine: Machine, leg: int, foot: Point, body: tuple[float, float, float, float], roll: float, pitch: float) -> bool:
     """True when a foot is in the mechanical reach of its leg at this posture."""
-    c, s = math.cos(body[3]), math.sin(body[3])
-    dx, dy, z = foot[0] - body[0], foot[1] - body[1], foot[2] - body[2]
-    x, y = c * dx + s * dy, c * dy - s * dx
-    cp, sp, cr, sr = math.cos(pitch), math.sin(pitch), math.cos(roll), math.sin(roll)
-    bx, up = cp * x - sp * z, sp * x + cp * z
-    seen = bx, cr * y + sr * up, cr * up - sr * y
+    seen = unturned(rotation(roll, pitch, body[3]), (foot[0] - body[0], foot[1] - body[1], foot[2] - body[2]))
     spec = machine.legs[leg]
     return all(
         low - over <= v <= high + over for v, (low, high), over in zip(seen, (spec.x, spec.y, spec.z), machine.overreach, strict=True)

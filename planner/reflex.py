@@ -308,10 +308,10 @@ def leaning_reflex(
     out: list[Point] = [ZERO] * len(feet_b)
     for leg in stand + landed:  # one rigid motion of the body for all that carry
         px, py, pz = reached[leg]
-        out[leg] = _towards(_unturned(then, (px + bx - x, py + by - y, pz + height - z)), feet_b[leg], gain)
+        out[leg] = _towards(unturned(then, (px + bx - x, py + by - y, pz + height - z)), feet_b[leg], gain)
     for leg in swinging:
         fx, fy, fz, vx, vy, vz = feet[leg]
-        out[leg] = _towards(_unturned(then, (fx + vx * s - x, fy + vy * s - y, fz + vz * s - z)), feet_b[leg], gain)
+        out[leg] = _towards(unturned(then, (fx + vx * s - x, fy + vy * s - y, fz + vz * s - z)), feet_b[leg], gain)
     if not simple:
         state = _pid(out, stand, landed, feet_b, state, gains, dt)
     for leg in stand + landed:
@@ -335,7 +335,8 @@ def _turned(r: tuple[float, ...], p: Point) -> Point:
     return r[0] * p[0] + r[1] * p[1] + r[2] * p[2], r[3] * p[0] + r[4] * p[1] + r[5] * p[2], r[6] * p[0] + r[7] * p[1] + r[8] * p[2]
 
 
-def _unturned(r: tuple[float, ...], p: Point) -> Point:
+def unturned(r: tuple[float, ...], p: Point) -> Point:
+    """From absolute axes to body axes."""
     return r[0] * p[0] + r[3] * p[1] + r[6] * p[2], r[1] * p[0] + r[4] * p[1] + r[7] * p[2], r[2] * p[0] + r[5] * p[1] + r[8] * p[2]
 
 

@@ -6,6 +6,7 @@ import json
 import math
 import struct
 from array import array
+from collections.abc import Sequence
 from dataclasses import asdict
 from hashlib import blake2b
 from pathlib import Path
@@ -199,18 +200,21 @@ def input_from(record: dict[str, Any]) -> Command | Edit | Push | Pose | Halt | 
     if kind == "push":
         return Push(_finite(record["fx"]), _finite(record["fy"]), int(record["ticks"]))
     if kind == "pose":
-        if record["posture"] not in POSTURES:
-            raise ValueError(f"unknown posture {record['posture']!r:.80}; there are: {', '.join(POSTURES)}")
-        return Pose(record["posture"])
+        return Pose(_one_of(record, "posture", POSTURES))
     if kind == "halt":
         return Halt()
     if kind == "attitude":
-        if record["attitude"] not in KINDS:
-            raise ValueError(f"unknown attitude {record['attitude']!r:.80}; there are: {', '.join(KINDS)}")
-        return Follow(record["attitude"])
+        return Follow(_one_of(record, "attitude", KINDS))
     if kind == "reset":
         return Reset()
     raise ValueError(f"unknown input {kind!r}; there are: command, edit, push, pose, halt, attitude, reset")
+
+
+def _one_of(record: dict[str, Any], key: str, known: Sequence[str]) -> str:
+    value: str = record[key]
+    if value not in known:
+        raise ValueError(f"unknown {key} {value!r:.80}; there are: {', '.join(known)}")
+    return value
 
 
 def _finite(value: Any) -> float:

@@ -18,6 +18,16 @@ function make(tag, text = "", name = "") {
   return made;
 }
 
+function headings(columns) {
+  const row = make("tr");
+  for (const [text, title] of columns) {
+    const cell = make("th", text);
+    cell.title = title;
+    row.append(cell);
+  }
+  return row;
+}
+
 export class Why {
   constructor(panel) {
     this.panel = panel;
@@ -69,13 +79,7 @@ export class Why {
   #tried(told) {
     if (!told.legs.length) return [];
     const table = make("table");
-    const head = make("tr");
-    for (const [text, title] of [["tried", "legs in the order they are tried"], ["pairs", "pairs of other feet that stand as in the standard walk"], ["return", "mm the foot can be brought forward"], ["", ""]]) {
-      const cell = make("th", text);
-      cell.title = title;
-      head.append(cell);
-    }
-    table.append(head);
+    table.append(headings([["tried", "legs in the order they are tried"], ["pairs", "pairs of other feet that stand as in the standard walk"], ["return", "mm the foot can be brought forward"], ["", ""]]));
     for (const trial of told.legs) {
       const row = make("tr");
       const refused = Object.values(trial.refused).reduce((sum, count) => sum + count, 0);
@@ -98,13 +102,7 @@ export class Why {
     if (!told.candidates.length || told.search === "paper") return [];
     const best = Math.max(...told.candidates.map((way) => way.score_m ?? 0), 1e-6);
     const list = make("table", "", "ways");
-    const head = make("tr");
-    for (const [text, title] of [["ahead", "first leg to swing"], ["score", "way gained and promised, m"], ["", ""], ["steps", "steps it was followed"]]) {
-      const cell = make("th", text);
-      cell.title = title;
-      head.append(cell);
-    }
-    list.append(head);
+    list.append(headings([["ahead", "first leg to swing"], ["score", "way gained and promised, m"], ["", ""], ["steps", "steps it was followed"]]));
     told.candidates.forEach((way) => {
       const row = make("tr");
       const bar = make("td", "", "bar");

@@ -15,7 +15,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from ..course import arc_exit, twist_of
-from ..lookahead import Found, Option, Search, beam, firsts, in_one_go
+from ..lookahead import Option, Search, beam, firsts, in_one_go, unhurried
 from ..machine import Machine
 from ..support import XY, stable_on_arc, support_polygon
 from ..terrain import TerrainMap
@@ -305,7 +305,8 @@ def think_turn(
     rises, stay = outlook.rises, outlook.promise(outlook.root)
     answer: StepPlan | Blocked = Blocked("no sequence of swings and sways leads on along the arc", None, notes)
     for depth, width, anywhere in LOOKS[HURRIED:] if outlook.hurries else LOOKS:
-        found = yield from _patiently(outlook.look(depth, width, anywhere))
+        # half a search knows no better than to stay, and a walk of such answers never ends
+        found = yield from unhurried(outlook.look(depth, width, anywhere))
         if notes is not None:
             notes["lookahead"] = turnnotes.weighed(found.ways, depth)
         for way in firsts(found.ways):
@@ -325,14 +326,3 @@ def think_turn(
     if notes is not None and "legs" not in notes:
         notes["legs"] = turnnotes.legs_tried(outlook, None)
     return answer
-
-
-def _patiently(search: Search[Place, Move]) -> Generator[None, bool | None, Found[Place, Move]]:
-    """The search without hurry: half of it knows no better than to stay, and a walk of such answers never ends."""
-    while True:
-        try:
-            next(search)
-        except StopIteration as done:
-            found: Found[Place, Move] = done.value
-            return found
-        yield
