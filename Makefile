@@ -8,6 +8,12 @@ PIP := $(PY) -m pip --disable-pip-version-check install --quiet
 ARGS ?=# more options for walking-console, e.g. make run ARGS="--port 9000"
 PYTEST_ARGS ?=# more options for pytest, e.g. make test PYTEST_ARGS="-k layers"
 
+# The four rooms under their one import name, as plain folders: what editors, mypy and other tools that do not run Python follow.
+SOURCE := $(VENV)/source/walking_console
+LINK = mkdir -p $(SOURCE) && for part in planner sim server web; do ln -sfn ../../../$$part $(SOURCE)/$$part; done \
+	&& for part in __init__.py __main__.py py.typed; do ln -sfn ../../../walking_console/$$part $(SOURCE)/$$part; done \
+	&& $(PY) -c 'import sysconfig, pathlib; pathlib.Path(sysconfig.get_path("purelib"), "walking-console-source.pth").write_text(str(pathlib.Path("$(VENV)/source").resolve()) + "\n")'
+
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .PHONY: help run test bench clean
@@ -26,22 +32,25 @@ bench: $(VENV)/.installed
 
 test: $(VENV)/.installed-for-tests
 	$(PY) -m ruff check .
+	$(PY) -m ruff format --check .
 	$(PY) -m mypy
 	$(PY) -m pytest $(PYTEST_ARGS)
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
-	find planner sim server web tests -name __pycache__ -type d -prune -exec rm -rf {} +
+	find planner sim server web walking_console tests -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # The two stamps are older than pyproject.toml or constraints.txt exactly when the environment has to be brought up to date.
 $(VENV)/.installed: pyproject.toml constraints.txt | $(PY)
 	@echo "Installing walking-console into $(VENV) ..."
 	@$(PIP) -c constraints.txt -e .
+	@$(LINK)
 	@touch $@
 
 $(VENV)/.installed-for-tests: pyproject.toml constraints.txt | $(PY)
 	@echo "Installing walking-console and its test tools into $(VENV) ..."
 	@$(PIP) -c constraints.txt -e '.[test]'
+	@$(LINK)
 	@touch $@ $(VENV)/.installed
 
 $(PY):

@@ -1,1 +1,3 @@
-"""Everything that carries: the console, its clock, HTTP, WebSocket and the command line; no formula."""
+"""Everything that carries: the console, its clock, HTTP, WebSocket and the command line; no
+formula.
+"""

@@ -1,4 +1,6 @@
-"""A run's log in other forms: csv and npz for spreadsheets and notebooks, mcap for log viewers, html to watch it anywhere."""
+"""A run's log in other forms: csv and npz for spreadsheets and notebooks, mcap for log viewers,
+html to watch it anywhere.
+"""
 
 from __future__ import annotations
 
@@ -11,9 +13,15 @@ from typing import Any
 
 import numpy as np
 
-from planner.walk import DT
-
-from .headless import RunError, read_arrays, read_log, read_run, read_steps, rerun
+from walking_console.planner.control.supervisor import DT
+from walking_console.sim.runs.runner import (
+    RunError,
+    read_arrays,
+    read_log,
+    read_run,
+    read_steps,
+    rerun,
+)
 
 FRAME_TICKS = 3  # one drawn frame of a replay page every 60 ms
 FRAMES_MAX = 6000  # six minutes; longer runs are drawn at fewer frames a second
@@ -75,18 +83,28 @@ def _csv_header(legs: int) -> list[str]:
 
 def _to_npz(directory: Path, summary: dict[str, Any], path: Path) -> None:
     """Log, ground and steps in one uncompressed file; the summary as JSON text under ``run``."""
-    ground = {f"terrain_{name}": array for name, array in read_arrays(directory / "terrain.npz", {}).items()}
+    ground = {
+        f"terrain_{name}": array
+        for name, array in read_arrays(directory / "terrain.npz", {}).items()
+    }
     steps = "".join(json.dumps(step) + "\n" for step in read_steps(directory))
-    everything: dict[str, Any] = {**read_log(directory), **ground, "run": json.dumps(summary), "steps": steps}
+    everything: dict[str, Any] = {
+        **read_log(directory),
+        **ground,
+        "run": json.dumps(summary),
+        "steps": steps,
+    }
     with path.open("wb") as file:  # a name would be given the suffix .npz when it has none
         np.savez(file, **everything)
 
 
 def _to_html(directory: Path, summary: dict[str, Any], path: Path) -> None:
-    """One self-contained 3-D page: the run is walked again from its inputs and every drawn frame recorded."""
-    from web.scene import Scene
+    """One self-contained 3-D page: the run is walked again from its inputs and every drawn frame
+    recorded.
+    """
+    from walking_console.web.scene.scene import Scene
 
-    from .canvas import Canvas
+    from .viser_bridge import Canvas
 
     every = max(FRAME_TICKS, -(-int(summary["ticks"]) // FRAMES_MAX))
     canvas = Canvas()
@@ -106,7 +124,9 @@ def _to_html(directory: Path, summary: dict[str, Any], path: Path) -> None:
 def _frames(directory: Path, every: int) -> Iterator[Any]:
     for index, (console, equal) in enumerate(rerun(directory)):
         if not equal:
-            raise RunError(f"{directory} does not replay: tick {index} differs from the recorded run")
+            raise RunError(
+                f"{directory} does not replay: tick {index} differs from the recorded run"
+            )
         if index % every == 0:
             yield console.snapshot()
 
@@ -116,7 +136,9 @@ def _to_mcap(directory: Path, summary: dict[str, Any], path: Path) -> None:
     try:
         from mcap.writer import Writer
     except ImportError:
-        raise RunError("writing mcap needs the extra: pip install 'walking-console[mcap]'") from None
+        raise RunError(
+            "writing mcap needs the extra: pip install 'walking-console[mcap]'"
+        ) from None
     log = read_log(directory)
     names = mode_names(summary)
     with path.open("wb") as file:
@@ -129,17 +151,31 @@ def _to_mcap(directory: Path, summary: dict[str, Any], path: Path) -> None:
         for step in read_steps(directory):
             at = round(step["tick"] * DT * 1e9)
             writer.add_message(steps, at, json.dumps(step).encode(), at)
-        writer.add_metadata("run", {key: str(summary[key]) for key in ("version", "result", "reason", "state_hash")})
+        writer.add_metadata(
+            "run", {key: str(summary[key]) for key in ("version", "result", "reason", "state_hash")}
+        )
         writer.finish()  # type: ignore[no-untyped-call]
 
 
 def _channel(writer: Any, topic: str) -> int:
-    schema = writer.register_schema(name=f"walking_console{topic.replace('/', '.')}", encoding="jsonschema", data=b'{"type": "object"}')
+    schema = writer.register_schema(
+        name=f"walking_console{topic.replace('/', '.')}",
+        encoding="jsonschema",
+        data=b'{"type": "object"}',
+    )
     return int(writer.register_channel(topic=topic, message_encoding="json", schema_id=schema))
 
 
 def _tick_message(log: Columns, row: int, names: dict[int, str]) -> dict[str, Any]:
-    return {**{name: log[name][row].tolist() for name in PLAIN}, "mode": names.get(int(log["mode"][row]), "?")}
+    return {
+        **{name: log[name][row].tolist() for name in PLAIN},
+        "mode": names.get(int(log["mode"][row]), "?"),
+    }
 
 
-FORMS: dict[str, Callable[[Path, dict[str, Any], Path], None]] = {"csv": _to_csv, "npz": _to_npz, "html": _to_html, "mcap": _to_mcap}
+FORMS: dict[str, Callable[[Path, dict[str, Any], Path], None]] = {
+    "csv": _to_csv,
+    "npz": _to_npz,
+    "html": _to_html,
+    "mcap": _to_mcap,
+}

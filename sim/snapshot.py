@@ -9,13 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from planner.machine import Machine
-from planner.vocabulary import Command, Mode, Point, StepPlan, TraceAhead
+from walking_console.planner.robot.model import Machine
+from walking_console.planner.types import Command, GaitPreview, Mode, Point, StepPlan
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TerrainView:
-    """The ground as viewers draw it. A new ``revision`` means: draw it again. NaN height is a bottomless hole."""
+    """The ground as viewers draw it. A new ``revision`` means: draw it again. NaN height is a
+    bottomless hole.
+    """
 
     revision: int
     heights: NDArray[np.float64]  # (ny, nx) m, row index y, column index x, write-protected
@@ -60,5 +62,7 @@ class Snapshot:
     attitude: str = "level"  # of the body: level, or ground when it is to follow it
     posture: str = "stand"  # the posture it is in, or is being taken to: stand | sit | standard
     course: float = 0.0  # s of the body on its trace, m (trace planner)
-    ahead: TraceAhead | None = None  # what the trace walker foresees; the same object until it foresees something else
-    decision: Mapping[str, Any] | None = None  # why the running step, or why there is none, where the console keeps it
+    # what the trace walker foresees; the same object until it foresees something else
+    ahead: GaitPreview | None = None
+    # why the running step, or why there is none, where the console keeps it
+    decision: Mapping[str, Any] | None = None

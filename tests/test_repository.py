@@ -1,4 +1,6 @@
-"""The repository itself: what is checked in, what is installed, and whether the README tells the truth."""
+"""The repository itself: what is checked in, what is installed, and whether the README tells the
+truth.
+"""
 
 import re
 import shutil
@@ -19,15 +21,27 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
 def repository_files() -> list[Path]:
-    """What git tracks or would track; in an unpacked archive without git, everything that is not hidden or left behind by a tool."""
+    """What git tracks or would track; in an unpacked archive without git, everything that is not
+    hidden or left behind by a tool.
+    """
     if (ROOT / ".git").exists() and shutil.which("git"):
         listed = subprocess.run(
-            ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"], cwd=ROOT, capture_output=True, text=True, check=True
+            ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
+            cwd=ROOT,
+            capture_output=True,
+            text=True,
+            check=True,
         )
         files = [ROOT / name for name in listed.stdout.split("\0") if name]
     else:
-        left_behind = re.compile(r"(^|/)(\.venv|\.[a-z]+_cache|\.hypothesis|build|__pycache__|walking-console-data|[^/]+\.egg-info)(/|$)")
-        files = [path for path in ROOT.rglob("*") if not left_behind.search(path.relative_to(ROOT).as_posix())]
+        left_behind = re.compile(
+            r"(^|/)(\.venv|\.[a-z]+_cache|\.hypothesis|build|__pycache__|walking-console-data|[^/]+\.egg-info)(/|$)"
+        )
+        files = [
+            path
+            for path in ROOT.rglob("*")
+            if not left_behind.search(path.relative_to(ROOT).as_posix())
+        ]
     return sorted(path for path in files if path.is_file())
 
 
@@ -38,28 +52,46 @@ def text_lines() -> list[tuple[str, str]]:
         content = path.read_bytes()
         if b"\0" not in content[:4096]:
             place = path.relative_to(ROOT).as_posix()
-            lines += [(f"{place}:{n}", line) for n, line in enumerate(content.decode("utf-8").splitlines(), 1)]
+            lines += [
+                (f"{place}:{n}", line)
+                for n, line in enumerate(content.decode("utf-8").splitlines(), 1)
+            ]
     return lines
 
 
 def test_no_file_names_a_folder_of_somebodys_machine() -> None:
     machine_path = re.compile(r"(?<![\w.\-/])(/(?:home|Users|work)/\w|/root/\.)|[A-Z]:\\Users")
-    assert [f"{place}: {line[:120]}" for place, line in text_lines() if machine_path.search(line)] == []
+    assert [
+        f"{place}: {line[:120]}" for place, line in text_lines() if machine_path.search(line)
+    ] == []
 
 
 def test_no_file_names_a_package_registry() -> None:
-    registry = re.compile(r"pypi\.org|pythonhosted\.org|npmjs\.(?:org|com)|deb\.debian\.org|--(?:extra-)?index-url|--find-links")
+    registry = re.compile(
+        r"pypi\.org|pythonhosted\.org|npmjs\.(?:org|com)|deb\.debian\.org|--(?:extra-)?index-url|--find-links"
+    )
     here = "tests/test_repository.py:"
-    assert [f"{place}: {line[:120]}" for place, line in text_lines() if registry.search(line) and not place.startswith(here)] == []
+    assert [
+        f"{place}: {line[:120]}"
+        for place, line in text_lines()
+        if registry.search(line) and not place.startswith(here)
+    ] == []
 
 
 def pins() -> dict[str, str]:
     lines = (ROOT / "constraints.txt").read_text(encoding="utf-8").splitlines()
-    assert [line for line in lines if not re.fullmatch(r"[A-Za-z0-9._-]+==[A-Za-z0-9.+!]+", line)] == []
-    return {re.sub(r"[-_.]+", "-", name).lower(): version for name, version in (line.split("==") for line in lines)}
+    assert [
+        line for line in lines if not re.fullmatch(r"[A-Za-z0-9._-]+==[A-Za-z0-9.+!]+", line)
+    ] == []
+    return {
+        re.sub(r"[-_.]+", "-", name).lower(): version
+        for name, version in (line.split("==") for line in lines)
+    }
 
 
-@pytest.mark.parametrize("needed", PROJECT["dependencies"] + PROJECT["optional-dependencies"]["test"])
+@pytest.mark.parametrize(
+    "needed", PROJECT["dependencies"] + PROJECT["optional-dependencies"]["test"]
+)
 def test_every_dependency_is_pinned_within_its_bounds(needed: str) -> None:
     requirement = Requirement(needed)
     assert requirement.specifier.contains(pins()[re.sub(r"[-_.]+", "-", requirement.name).lower()])
@@ -74,31 +106,41 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> zipfile.ZipFile:
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(path, target)
     program = f"from setuptools import build_meta; print(build_meta.build_wheel({str(out)!r}))"
-    done = subprocess.run([sys.executable, "-c", program], cwd=copy, capture_output=True, text=True, timeout=120)
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=copy, capture_output=True, text=True, timeout=120
+    )
     assert done.returncode == 0, done.stderr
     return zipfile.ZipFile(next(out.glob("*.whl")))
 
 
 def test_the_wheel_holds_every_file_of_the_four_rooms(wheel: zipfile.ZipFile) -> None:
-    inside = {path.relative_to(ROOT).as_posix() for path in repository_files() if path.relative_to(ROOT).parts[0] in ROOMS}
+    inside = set()
+    for path in repository_files():
+        place = path.relative_to(ROOT)
+        if place.parts[0] in ROOMS:
+            inside.add(f"walking_console/{place.as_posix()}")
+        elif place.parts[0] == "walking_console":
+            inside.add(place.as_posix())
     assert sorted(inside - set(wheel.namelist())) == []
 
 
-def test_the_wheel_installs_the_four_rooms_and_nothing_else(wheel: zipfile.ZipFile) -> None:
+def test_the_wheel_installs_one_import_name_and_nothing_else(wheel: zipfile.ZipFile) -> None:
     tops = {name.partition("/")[0] for name in wheel.namelist()}
-    assert {top for top in tops if not top.endswith(".dist-info")} == set(ROOMS)
+    assert {top for top in tops if not top.endswith(".dist-info")} == {"walking_console"}
 
 
 def test_the_wheel_carries_all_licences(wheel: zipfile.ZipFile) -> None:
     licences = [name for name in wheel.namelist() if ".dist-info/licenses/" in name]
     assert {name.partition("licenses/")[2] for name in licences} >= {
-        "LICENSE", "web/vendor/swagger/LICENSE", "web/vendor/uplot/LICENSE"
+        "LICENSE",
+        "web/vendor/swagger/LICENSE",
+        "web/vendor/uplot/LICENSE",
     }
 
 
 def test_the_wheel_installs_the_command(wheel: zipfile.ZipFile) -> None:
     name = next(name for name in wheel.namelist() if name.endswith("entry_points.txt"))
-    assert "walking-console = server.__main__:main" in wheel.read(name).decode()
+    assert "walking-console = walking_console.server.cli:main" in wheel.read(name).decode()
 
 
 def test_the_version_is_the_same_everywhere() -> None:
@@ -108,14 +150,22 @@ def test_the_version_is_the_same_everywhere() -> None:
 
 
 def test_the_readme_names_targets_that_make_knows() -> None:
-    targets = set(re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), flags=re.MULTILINE))
+    targets = set(
+        re.findall(
+            r"^([a-z]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), flags=re.MULTILINE
+        )
+    )
     assert set(re.findall(r"\bmake ([a-z]+)\b", README)) <= targets
 
 
-@pytest.mark.skipif(not (ROOT / "server/__main__.py").exists(), reason="the command line is not written yet")
 def test_the_readme_names_commands_that_exist() -> None:
     shown = subprocess.run(
-        [sys.executable, "-m", "server", "--help"], cwd=ROOT, capture_output=True, text=True, timeout=60, check=True
+        [sys.executable, "-m", "walking_console", "--help"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
     ).stdout
     named = set(re.findall(r"walking-console ([a-z]+)\b", README))
     assert {command for command in named if not re.search(rf"\b{command}\b", shown)} == set()

@@ -1,1 +1,3 @@
-"""Planner of Hirose, Fukuda and Kikuchi (1986): the standard crab walk, one file per level of control."""
+"""Planner of Hirose, Fukuda and Kikuchi (1986): the standard crab walk, one file per level of
+control.
+"""

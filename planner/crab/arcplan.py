@@ -1,7 +1,9 @@
-"""The step of a turning walk as a plan: heights, clock and knots on an arc (Levels B3 and B4, the twin of ``plan.build``).
+"""The step of a turning walk as a plan: heights, clock and knots on an arc (Levels B3 and B4, the
+twin of ``plan.build``).
 
-Standing feet turn about the centre as the body does; the swing foot returns along a straight line in the turning body axes,
-which is what the servos drive. Between knots the body goes straight: pieces of 0.02 rad are within 0.03 mm of the arc.
+Standing feet turn about the centre as the body does; the swing foot returns along a straight line
+in the turning body axes, which is what the servos drive. Between knots the body goes straight:
+pieces of 0.02 rad are within 0.03 mm of the arc.
 """
 
 from __future__ import annotations
@@ -12,26 +14,29 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..clearance import leg_in_the_way, something_tall
-from ..course import Twist, arc_exit
-from ..machine import Machine
-from ..support import XY, polygon_margin, support_polygon
-from ..terrain import TerrainMap
-from ..vocabulary import Array, Blocked, Command, Gait, Phase, Point, Stance, StepPlan
+from ..geometry.paths import ArcPath, arc_exit
+from ..motion.body_height import CLEARANCE, height_range, lift, torso_needs, torso_needs_exactly
+from ..motion.timing import BACK_MIN, EASED, EVEN, Swing
+from ..robot.collision import leg_in_the_way, something_tall
+from ..robot.model import Machine
+from ..stability import XY, polygon_margin, support_polygon
+from ..terrain.map import TerrainMap
+from ..types import Array, Blocked, Command, Gait, Phase, Point, Stance, StepPlan
 from .arcs import Circular, reversed_course
-from .height import CLEARANCE, height_range, lift, torso_needs, torso_needs_exactly
-from .trajectory import BACK_MIN, EASED, EVEN, Swing
-from .xy import STILL, Notes
+from .leg_selection import STILL, Notes
 
 KNOT_TURN = 0.02  # rad of yaw between knots; more: see the swing foot leave its line
 CLIMB = 0.4  # m the body may rise or sink per m of course
 EARLY = 0.02  # m a foot may stand outside its reach when it touches early, at mid-descent (H §4.5)
 ROUNDING = 0.995  # of every speed limit: straight lines between knots in axes that turn
-LEG_CHECKS = (0.25, 0.5, 0.75, 1.0)  # shares of a step at which the legs are held against tall things
+# shares of a step at which the legs are held against tall things
+LEG_CHECKS = (0.25, 0.5, 0.75, 1.0)
 
 
 class Move(NamedTuple):
-    """One step: a swing (g0, g, where from I_u to J_u), or, with leg -1, a sway of the body to ``landing``. Body axes at N_k."""
+    """One step: a swing (g0, g, where from I_u to J_u), or, with leg -1, a sway of the body to
+    ``landing``. Body axes at N_k.
+    """
 
     leg: int
     g0: float
@@ -45,37 +50,53 @@ class Move(NamedTuple):
 def in_body(stance: Stance) -> tuple[XY, ...]:
     x, y, _, yaw = stance.body
     c, s = math.cos(yaw), math.sin(yaw)
-    return tuple((c * (fx - x) + s * (fy - y), c * (fy - y) - s * (fx - x)) for fx, fy, _ in stance.feet)
+    return tuple(
+        (c * (fx - x) + s * (fy - y), c * (fy - y) - s * (fx - x)) for fx, fy, _ in stance.feet
+    )
 
 
 def swing_time(machine: Machine, gait: Gait, circular: Circular) -> float:
     """s a swing of the standard walk takes at the legs' limits, about."""
     reach = circular.stride * (1.0 + circular.swing_share)
-    rates = [_rate(circular.twist, x, y) for x, y in circular.centres]
+    rates = [_rate(circular.arc, x, y) for x, y in circular.centres]
     fastest = max(max(rx / machine.speed[0], ry / machine.speed[1]) for rx, ry in rates)
     return gait.peak * ((gait.lift_up + gait.lift_down) / machine.speed[2] + reach * fastest)
 
 
-def _rate(twist: Twist, x: float, y: float) -> XY:
+def _rate(arc: ArcPath, x: float, y: float) -> XY:
     """How fast a standing foot at (x, y) goes in body axes, per metre of s."""
-    return abs(twist.ux - twist.turn * y), abs(twist.uy + twist.turn * x)
+    return abs(arc.ux - arc.turn * y), abs(arc.uy + arc.turn * x)
 
 
 class Rises:
     """Heights around one stance on an arc: Level B3."""
 
-    def __init__(self, stance: Stance, circular: Circular, terrain: TerrainMap, machine: Machine, gait: Gait) -> None:
-        self.stance, self.circular, self.terrain, self.machine, self.gait = stance, circular, terrain, machine, gait
-        self.is_level = terrain.is_level and all(abs(foot[2] - terrain.highest) < 0.005 for foot in stance.feet)
+    def __init__(
+        self, stance: Stance, circular: Circular, terrain: TerrainMap, machine: Machine, gait: Gait
+    ) -> None:
+        self.stance, self.circular, self.terrain, self.machine, self.gait = (
+            stance,
+            circular,
+            terrain,
+            machine,
+            gait,
+        )
+        self.is_level = terrain.is_level and all(
+            abs(foot[2] - terrain.highest) < 0.005 for foot in stance.feet
+        )
         lowest = min(foot[2] for foot in stance.feet)
-        self.has_tall = not self.is_level and something_tall(terrain, machine, stance.body[0], stance.body[1], lowest)
+        self.has_tall = not self.is_level and something_tall(
+            terrain, machine, stance.body[0], stance.body[1], lowest
+        )
 
     def ground_at(self, at: XY) -> float:
         """Height of a foothold, m."""
         return self.terrain.highest if self.is_level else self.terrain.height_at(*at)
 
     def height_after(self, leg: int, g0: float, g: float, at: XY) -> tuple[float, float, float]:
-        """Height of the CoG at N_{k+1}, and the lowest and highest it may be: towards H above the mean of the feet."""
+        """Height of the CoG at N_{k+1}, and the lowest and highest it may be: towards H above the
+        mean of the feet.
+        """
         z, heights = self.stance.body[2], [foot[2] for foot in self.stance.feet]
         before = heights[leg]
         heights[leg] = self.ground_at(at)
@@ -99,31 +120,46 @@ class Rises:
         return self.has_tall and self.leg_in_the_way(leg, g, at, height)
 
     def leg_in_the_way(self, leg: int, g: float, at: XY, height: float) -> bool:
-        """True when on the way of the step some leg that stands, or at its end the new one, meets ground."""
-        path = ArcPath(self.stance, self.circular.twist, 0.0, g, height)
-        feet: list[Point | None] = [None if i == leg else foot for i, foot in enumerate(self.stance.feet)]
+        """True when on the way of the step some leg that stands, or at its end the new one, meets
+        ground.
+        """
+        path = BodyOnArc(self.stance, self.circular.arc, 0.0, g, height)
+        feet: list[Point | None] = [
+            None if i == leg else foot for i, foot in enumerate(self.stance.feet)
+        ]
         for share in LEG_CHECKS:
             if share == 1.0:
                 feet[leg] = (*at, self.ground_at(at))
-            if leg_in_the_way(self.terrain, self.machine, path.at(share * g, share), feet) is not None:
+            if (
+                leg_in_the_way(self.terrain, self.machine, path.at(share * g, share), feet)
+                is not None
+            ):
                 return True
         return False
 
     def crest(self, leg: int, at: XY) -> float:
         """Highest ground under the way of the swing foot, m."""
         x, y, z = self.stance.feet[leg]
-        return max(z, self.ground_at(at)) if self.is_level else max(z, self.ground_at(at), self.terrain.crest_between(x, y, *at))
+        return (
+            max(z, self.ground_at(at))
+            if self.is_level
+            else max(z, self.ground_at(at), self.terrain.crest_between(x, y, *at))
+        )
 
     def ceiling(self, height: float) -> float:
         """How high a foot can be lifted in this step, m."""
-        return min(self.stance.body[2], height) + self.machine.z_range[1] + self.machine.overreach[2]
+        return (
+            min(self.stance.body[2], height) + self.machine.z_range[1] + self.machine.overreach[2]
+        )
 
     def torso_needs(self, x: float, y: float, yaw: float, height: float) -> float:
         """Lowest CoG at which the torso clears the ground there, m."""
         if self.terrain.highest + self.machine.torso[2] / 2 + CLEARANCE <= height:
             return -math.inf
         needs = torso_needs(self.terrain, self.machine, x, y, yaw)
-        return needs if needs <= height else torso_needs_exactly(self.terrain, self.machine, x, y, yaw)
+        return (
+            needs if needs <= height else torso_needs_exactly(self.terrain, self.machine, x, y, yaw)
+        )
 
 
 def sway_plan(rises: Rises, move: Move, pace: float, notes: Notes | None) -> StepPlan:
@@ -174,23 +210,38 @@ def swing_plan(
     stance, circular = rises.stance, rises.circular
     machine, gait, leg = rises.machine, rises.gait, move.leg
     x, y, _, yaw = stance.body
-    dx, dy, turn = circular.twist.pose(move.g)
+    dx, dy, turn = circular.arc.pose(move.g)
     c, s = math.cos(yaw), math.sin(yaw)
     end_x, end_y, end_yaw = x + c * dx - s * dy, y + s * dx + c * dy, yaw + turn
     height, _, high = rises.height_after(leg, move.g0, move.g, move.ground)
     needs = rises.torso_needs(end_x, end_y, end_yaw, height)
     if needs > height:
         if needs > high:
-            return Blocked(f"the torso would touch the ground: it needs {needs:.2f} m, the legs reach {high:.2f} m", None, notes)
+            return Blocked(
+                f"the torso would touch the ground: it needs {needs:.2f} m, the legs reach {high:.2f} m",
+                None,
+                notes,
+            )
         height = needs
     landing: Point = (*move.ground, rises.ground_at(move.ground))
-    corners = lift(stance.feet[leg], landing, rises.crest(leg, move.ground), rises.ceiling(height), height, machine, gait)
-    path = ArcPath(stance, circular.twist, move.g0, move.g, height)
+    corners = lift(
+        stance.feet[leg],
+        landing,
+        rises.crest(leg, move.ground),
+        rises.ceiling(height),
+        height,
+        machine,
+        gait,
+    )
+    path = BodyOnArc(stance, circular.arc, move.g0, move.g, height)
     clock = _clock(rises, move, path, corners, pace)
     times, body, feet, phases = _knots(path, clock, corners, leg, gait.smooth)
     still = 0 if move.g >= useful else stance.still + 1
     ends = tuple(landing if i == leg else foot for i, foot in enumerate(stance.feet))
-    start_x, start_y = (x + c * move.start[0] - s * move.start[1], y + s * move.start[0] + c * move.start[1])
+    start_x, start_y = (
+        x + c * move.start[0] - s * move.start[1],
+        y + s * move.start[0] + c * move.start[1],
+    )
     return StepPlan(
         swing=(leg,), times=times, body=body, feet=feet, phases=phases,
         end=Stance((end_x, end_y, height, end_yaw), ends, leg, stance.quarter_turns, (), stance.course + move.g, still),
@@ -201,26 +252,37 @@ def swing_plan(
     )  # fmt: skip
 
 
-class ArcPath:
+class BodyOnArc:
     """The body's way through one step: the arc, and the height in proportion to the way."""
 
-    def __init__(self, stance: Stance, twist: Twist, g0: float, g: float, height: float) -> None:
-        self.stance, self.twist, self.g0, self.g = stance, twist, g0, g
+    def __init__(self, stance: Stance, arc: ArcPath, g0: float, g: float, height: float) -> None:
+        self.stance, self.arc, self.g0, self.g = stance, arc, g0, g
         self.x, self.y, self.z, self.yaw = stance.body
         self.c, self.s = math.cos(self.yaw), math.sin(self.yaw)
         self.climb = height - self.z
 
     def at(self, way: float, waited: float = 0.0) -> tuple[float, float, float, float]:
-        """The body after ``way``; ``waited`` is the share of the swing over, by which a body that waits changes height."""
-        dx, dy, turn = self.twist.pose(way)
+        """The body after ``way``; ``waited`` is the share of the swing over, by which a body that
+        waits changes height.
+        """
+        dx, dy, turn = self.arc.pose(way)
         share = way / self.g if self.g > STILL else waited
-        return self.x + self.c * dx - self.s * dy, self.y + self.s * dx + self.c * dy, self.z + share * self.climb, self.yaw + turn
+        return (
+            self.x + self.c * dx - self.s * dy,
+            self.y + self.s * dx + self.c * dy,
+            self.z + share * self.climb,
+            self.yaw + turn,
+        )
 
     def seen(self, point: Point, way: float, waited: float = 0.0) -> Point:
         """A point of the absolute frame in body axes."""
         x, y, z, yaw = self.at(way, waited)
         c, s = math.cos(yaw), math.sin(yaw)
-        return c * (point[0] - x) + s * (point[1] - y), c * (point[1] - y) - s * (point[0] - x), point[2] - z
+        return (
+            c * (point[0] - x) + s * (point[1] - y),
+            c * (point[1] - y) - s * (point[0] - x),
+            point[2] - z,
+        )
 
 
 def absolute(body: tuple[float, float, float, float], point: Point) -> Point:
@@ -230,7 +292,7 @@ def absolute(body: tuple[float, float, float, float], point: Point) -> Point:
     return x + c * point[0] - s * point[1], y + s * point[0] + c * point[1], z + point[2]
 
 
-def _margin(path: ArcPath, stance: Stance, leg: int) -> float:
+def _margin(path: BodyOnArc, stance: Stance, leg: int) -> float:
     """Least polygon margin of a step, looked at along it."""
     feet = in_body(stance)
     least = math.inf
@@ -239,13 +301,15 @@ def _margin(path: ArcPath, stance: Stance, leg: int) -> float:
         (support_polygon([foot for i, foot in enumerate(feet) if i != leg]), path.g0, path.g),
     ):
         for k in range(5):
-            dx, dy, _ = path.twist.pose(low + k / 4 * (high - low))
+            dx, dy, _ = path.arc.pose(low + k / 4 * (high - low))
             least = min(least, polygon_margin(polygon, dx, dy))
     return least
 
 
-def _clock(rises: Rises, move: Move, path: ArcPath, corners: Swing, pace: float) -> Clock:
-    """The fastest clock that keeps every limit, or the commanded pace: H §7 with the displacement taken in turning body axes."""
+def _clock(rises: Rises, move: Move, path: BodyOnArc, corners: Swing, pace: float) -> Clock:
+    """The fastest clock that keeps every limit, or the commanded pace: H §7 with the displacement
+    taken in turning body axes.
+    """
     machine, gait, circular = rises.machine, rises.gait, rises.circular
     vx, vy, vz = (ROUNDING * limit / gait.peak for limit in machine.speed)
     stand, top, over, aim = corners
@@ -266,17 +330,22 @@ def _clock(rises: Rises, move: Move, path: ArcPath, corners: Swing, pace: float)
         up, back, down = swing(0.0)
         speed = min(wanted, cruise)
         return Clock(0.0, 0.0, speed, move.g0 / speed, up, back, down)
-    box, twist = circular.far_boxes[move.leg], circular.twist
-    behind = arc_exit(*twist.seen(*in_body(rises.stance)[move.leg], move.g0), box, twist)
-    landed = twist.seen(*move.landing, move.g)
-    beyond = arc_exit(*landed, box, reversed_course(twist))
-    drift = max(*_rate(twist, *landed), 1e-9)
+    box, arc = circular.far_boxes[move.leg], circular.arc
+    behind = arc_exit(*arc.seen(*in_body(rises.stance)[move.leg], move.g0), box, arc)
+    landed = arc.seen(*move.landing, move.g)
+    beyond = arc_exit(*landed, box, reversed_course(arc))
+    drift = max(*_rate(arc, *landed), 1e-9)
     standing = _standing(rises, climbs)
 
     def holds(v: float) -> bool:
         up, back, down = swing(v)
         early = v * down * drift / 2 <= EARLY
-        return v * (up + back + down) <= g_u and v * up <= max(behind, EARLY / 2) and v * down <= max(beyond, EARLY / 2) and early
+        return (
+            v * (up + back + down) <= g_u
+            and v * up <= max(behind, EARLY / 2)
+            and v * down <= max(beyond, EARLY / 2)
+            and early
+        )
 
     low, high = 0.0, min(standing, g_u / sum(swing(0.0)) * 2.0)
     for _ in range(24):
@@ -290,11 +359,11 @@ def _clock(rises: Rises, move: Move, path: ArcPath, corners: Swing, pace: float)
 
 def _standing(rises: Rises, climbs: float) -> float:
     """The largest pace at which standing legs keep their limits."""
-    machine, twist = rises.machine, rises.circular.twist
+    machine, arc = rises.machine, rises.circular.arc
     fastest = max(climbs / (0.5 * machine.speed[2]), 1e-9)
     for x1, x2, y1, y2 in rises.circular.far_boxes:
         for x, y in ((x1, y1), (x1, y2), (x2, y1), (x2, y2)):
-            rx, ry = _rate(twist, x, y)
+            rx, ry = _rate(arc, x, y)
             fastest = max(fastest, rx / machine.speed[0], ry / machine.speed[1])
     return ROUNDING / fastest
 
@@ -302,14 +371,18 @@ def _standing(rises: Rises, climbs: float) -> float:
 Knots = tuple[Array, Array, Array, tuple[Phase, ...]]
 
 
-def _knots(path: ArcPath, clock: Clock, corners: Swing, leg: int, smooth: bool) -> Knots:
-    """The step as knots: up and down vertical in the absolute frame, the return a straight line in the turning body axes."""
+def _knots(path: BodyOnArc, clock: Clock, corners: Swing, leg: int, smooth: bool) -> Knots:
+    """The step as knots: up and down vertical in the absolute frame, the return a straight line in
+    the turning body axes.
+    """
     stand, top, over, aim = corners
     g0, g = path.g0, path.g
     total = clock.up + clock.back + clock.down
-    rows: list[tuple[float, tuple[float, float, float, float], Point]] = [(0.0, path.at(0.0), stand)]
+    rows: list[tuple[float, tuple[float, float, float, float], Point]] = [
+        (0.0, path.at(0.0), stand)
+    ]
     phases: list[Phase] = []
-    for k in range(1, (pieces := _pieces(path.twist, g0)) + 1 if g0 > STILL else 1):
+    for k in range(1, (pieces := _pieces(path.arc, g0)) + 1 if g0 > STILL else 1):
         rows.append((clock.support * k / pieces, path.at(g0 * k / pieces), stand))
         phases.append(Phase.SUPPORT)
     begin, way, spent = rows[-1][0], g0, 0.0
@@ -323,7 +396,7 @@ def _knots(path: ArcPath, clock: Clock, corners: Swing, leg: int, smooth: bool) 
         gone = (g - g0) * duration / total
         share = duration / total
         from_b, to_b = path.seen(a, way, spent), path.seen(b, way + gone, spent + share)
-        for tau, eased in _profile(smooth, _pieces(path.twist, gone)):
+        for tau, eased in _profile(smooth, _pieces(path.arc, gone)):
             body = path.at(way + tau * gone, spent + tau * share)
             if phase is Phase.RETURN:
                 foot = absolute(body, _between(from_b, to_b, eased))
@@ -337,9 +410,9 @@ def _knots(path: ArcPath, clock: Clock, corners: Swing, leg: int, smooth: bool) 
     return *_arrays(rows, path.stance.feet, leg), tuple(phases)
 
 
-def _pieces(twist: Twist, way: float) -> int:
+def _pieces(arc: ArcPath, way: float) -> int:
     """Into how many straight lines a stretch of an arc is cut."""
-    return max(1, math.ceil(abs(twist.turn) * way / KNOT_TURN))
+    return max(1, math.ceil(abs(arc.turn) * way / KNOT_TURN))
 
 
 def _profile(smooth: bool, pieces: int) -> Iterator[tuple[float, float]]:
@@ -357,7 +430,9 @@ def _between(a: Point, b: Point, share: float) -> Point:
 
 
 def _arrays(
-    rows: list[tuple[float, tuple[float, float, float, float], Point]], feet: tuple[Point, ...], leg: int
+    rows: list[tuple[float, tuple[float, float, float, float], Point]],
+    feet: tuple[Point, ...],
+    leg: int,
 ) -> tuple[Array, Array, Array]:
     """Knots as write-protected arrays."""
     times, body = np.array([row[0] for row in rows]), np.array([row[1] for row in rows])

@@ -1,8 +1,10 @@
-"""The standard walk on an arc: strokes on circles about the turning centre, the order of the legs, the phase of each.
+"""The standard walk on an arc: strokes on circles about the turning centre, the order of the legs,
+the phase of each.
 
-What ``standard`` is on a straight course. Body axes, no canonical frame: on a tight arc no quadrant is ahead. The order and
-the phases of the legs are those with which the centre of gravity keeps farthest inside every triangle in turn: on the spot
-the legs go round one after the other, on a wide arc as H has them.
+What ``standard`` is on a straight course. Body axes, no canonical frame: on a tight arc no quadrant
+is ahead. The order and the phases of the legs are those with which the centre of gravity keeps
+farthest inside every triangle in turn: on the spot the legs go round one after the other, on a wide
+arc as H has them.
 """
 
 from __future__ import annotations
@@ -13,11 +15,11 @@ from functools import lru_cache
 from itertools import permutations
 from typing import NamedTuple
 
-from ..course import Box, Twist, arc_exit
-from ..machine import Machine
-from ..support import XY, polygon_margin, support_polygon
-from ..vocabulary import Gait
-from .standard import LEAN, OTHERS
+from ..geometry.paths import ArcPath, Box, arc_exit
+from ..robot.model import Machine
+from ..stability import XY, polygon_margin, support_polygon
+from ..types import Gait
+from .gait import LEAN, OTHERS
 
 STROKE_MAX = 1.0  # m of s; on a circle about itself a foot would never leave its reach
 SHARES = (  # of the four-leg time, in quarters, before each swing
@@ -39,7 +41,7 @@ class Order(NamedTuple):
 class Circular:
     """The standard walk of one machine on one arc, in body axes. Lengths are metres of s."""
 
-    twist: Twist
+    arc: ArcPath
     boxes: tuple[Box, ...]  # control reach
     far_boxes: tuple[Box, ...]  # mechanical reach
     centres: tuple[XY, ...]  # C_i
@@ -49,13 +51,16 @@ class Circular:
     successor: tuple[int, ...]
     predecessor: tuple[int, ...]  # u*
     lags: tuple[float, ...]  # how much later than u* leg u leaves its stroke
-    layouts: tuple[tuple[float, ...], ...]  # [u][i]: how far leg i is from the end of its stroke when u has just landed
+    # [u][i]: how far leg i is from the end of its stroke when u has just landed
+    layouts: tuple[tuple[float, ...], ...]
     margin: float  # the least polygon margin of the standard walk, m; negative: it must sway
     swing_share: float  # 1-β over β: the body's way during a swing, in strides
 
 
 def boxes_of(machine: Machine) -> tuple[tuple[Box, ...], tuple[Box, ...]]:
-    """Control and mechanical reach; a machine with less than 0.02 m of overreach plans in a smaller control reach."""
+    """Control and mechanical reach; a machine with less than 0.02 m of overreach plans in a smaller
+    control reach.
+    """
     over_x, over_y, _ = machine.overreach
     kx, ky = max(0.0, LEAN - over_x), max(0.0, LEAN - over_y)
     control = tuple((a + kx, b - kx, c + ky, d - ky) for a, b, c, d in machine.boxes)
@@ -64,68 +69,87 @@ def boxes_of(machine: Machine) -> tuple[tuple[Box, ...], tuple[Box, ...]]:
 
 
 @lru_cache(maxsize=256)
-def circular_for(machine: Machine, duty_factor: float, twist: Twist) -> Circular:
-    """The standard walk on the arc ``twist``."""
+def circular_for(machine: Machine, duty_factor: float, arc: ArcPath) -> Circular:
+    """The standard walk on the arc ``arc``."""
     boxes, far_boxes = boxes_of(machine)
-    centres, ends, stride = _strokes(boxes, twist)
-    leaves = [arc_exit(x, y, box, twist) for (x, y), box in zip(centres, boxes, strict=True)]
-    spares = tuple(leave - end if leave < math.inf else 0.0 for leave, end in zip(leaves, ends, strict=True))
-    order = order_for(machine, duty_factor, *_coarse(machine, twist))
+    centres, ends, stride = _strokes(boxes, arc)
+    leaves = [arc_exit(x, y, box, arc) for (x, y), box in zip(centres, boxes, strict=True)]
+    spares = tuple(
+        leave - end if leave < math.inf else 0.0 for leave, end in zip(leaves, ends, strict=True)
+    )
+    order = order_for(machine, duty_factor, *_coarse(machine, arc))
     successor, predecessor = [0] * 4, [0] * 4
     for leg, after in zip(order.legs, order.legs[1:] + order.legs[:1], strict=True):
         successor[leg], predecessor[after] = after, leg
     cycle = stride / duty_factor
-    lags = tuple(((order.landed[leg] - order.landed[predecessor[leg]]) % 1.0) * cycle for leg in range(4))
-    layouts = tuple(tuple(stride - (order.landed[u] - landed) % 1.0 * cycle for landed in order.landed) for u in range(4))
+    lags = tuple(
+        ((order.landed[leg] - order.landed[predecessor[leg]]) % 1.0) * cycle for leg in range(4)
+    )
+    layouts = tuple(
+        tuple(stride - (order.landed[u] - landed) % 1.0 * cycle for landed in order.landed)
+        for u in range(4)
+    )
     return Circular(
-        twist, boxes, far_boxes, centres, ends, spares, stride, tuple(successor), tuple(predecessor), lags, layouts, order.margin,
+        arc, boxes, far_boxes, centres, ends, spares, stride, tuple(successor), tuple(predecessor), lags, layouts, order.margin,
         (1.0 - duty_factor) / duty_factor,
     )  # fmt: skip
 
 
-def circular_gait(machine: Machine, gait: Gait, twist: Twist) -> Circular:
+def circular_gait(machine: Machine, gait: Gait, arc: ArcPath) -> Circular:
     """The same by gait."""
-    return circular_for(machine, gait.duty_factor, twist)
+    return circular_for(machine, gait.duty_factor, arc)
 
 
-def _strokes(boxes: tuple[Box, ...], twist: Twist) -> tuple[tuple[XY, ...], tuple[float, ...], float]:
-    """C_i, the way from there to the end of each leg's stroke, and the stride they share: that of the leg that has least."""
-    back = reversed_course(twist)
+def _strokes(
+    boxes: tuple[Box, ...], arc: ArcPath
+) -> tuple[tuple[XY, ...], tuple[float, ...], float]:
+    """C_i, the way from there to the end of each leg's stroke, and the stride they share: that of
+    the leg that has least.
+    """
+    back = reversed_course(arc)
     centres = tuple(((a + b) / 2, (c + d) / 2) for a, b, c, d in boxes)
-    ahead = [arc_exit(x, y, box, twist) for (x, y), box in zip(centres, boxes, strict=True)]
+    ahead = [arc_exit(x, y, box, arc) for (x, y), box in zip(centres, boxes, strict=True)]
     behind = [arc_exit(x, y, box, back) for (x, y), box in zip(centres, boxes, strict=True)]
     stride = min(STROKE_MAX, *(a + b for a, b in zip(ahead, behind, strict=True)))
-    ends = tuple(((a - b if a < math.inf else 0.0) + stride) / 2 for a, b in zip(ahead, behind, strict=True))
+    ends = tuple(
+        ((a - b if a < math.inf else 0.0) + stride) / 2 for a, b in zip(ahead, behind, strict=True)
+    )
     return centres, ends, stride
 
 
-def reversed_course(twist: Twist) -> Twist:
+def reversed_course(arc: ArcPath) -> ArcPath:
     """The way back along the same arc."""
-    return Twist(-twist.ux, -twist.uy, -twist.turn)
+    return ArcPath(-arc.ux, -arc.uy, -arc.turn)
 
 
-def carried(twist: Twist, x: float, y: float, s: float) -> XY:
+def carried(arc: ArcPath, x: float, y: float, s: float) -> XY:
     """Where a point fixed to the body is after s, in present body axes."""
-    dx, dy, angle = twist.pose(s)
+    dx, dy, angle = arc.pose(s)
     c, d = math.cos(angle), math.sin(angle)
     return dx + c * x - d * y, dy + d * x + c * y
 
 
-def _coarse(machine: Machine, twist: Twist) -> tuple[int, int]:
-    """The course as two whole numbers of ``GRAIN``: its direction, and how much of it is turning (positive to the left)."""
-    ahead = math.hypot(twist.ux, twist.uy)
-    turning = round(math.atan2(machine.yaw_length * twist.turn, ahead) / GRAIN)
-    return (round(math.atan2(twist.uy, twist.ux) / GRAIN) if ahead > 1e-9 else 0), turning
+def _coarse(machine: Machine, arc: ArcPath) -> tuple[int, int]:
+    """The course as two whole numbers of ``GRAIN``: its direction, and how much of it is turning
+    (positive to the left).
+    """
+    ahead = math.hypot(arc.ux, arc.uy)
+    turning = round(math.atan2(machine.yaw_length * arc.turn, ahead) / GRAIN)
+    return (round(math.atan2(arc.uy, arc.ux) / GRAIN) if ahead > 1e-9 else 0), turning
 
 
 @lru_cache(maxsize=2048)
 def order_for(machine: Machine, duty_factor: float, direction: int, turning: int) -> Order:
-    """The order and phases with the largest least margin, of all six orders and every spread of the four-leg time."""
+    """The order and phases with the largest least margin, of all six orders and every spread of the
+    four-leg time.
+    """
     share = math.cos(turning * GRAIN)
-    twist = Twist(
-        share * math.cos(direction * GRAIN), share * math.sin(direction * GRAIN), math.sin(turning * GRAIN) / machine.yaw_length
+    arc = ArcPath(
+        share * math.cos(direction * GRAIN),
+        share * math.sin(direction * GRAIN),
+        math.sin(turning * GRAIN) / machine.yaw_length,
     )
-    centres, ends, stride = _strokes(boxes_of(machine)[0], twist)
+    centres, ends, stride = _strokes(boxes_of(machine)[0], arc)
     best = Order((0, 1, 2, 3), (0.0, 0.25, 0.5, 0.75), -math.inf)
     spare = (4.0 * duty_factor - 3.0) / 4.0
     for rest in permutations((1, 2, 3)):
@@ -135,14 +159,20 @@ def order_for(machine: Machine, duty_factor: float, direction: int, turning: int
             for leg, part in zip(legs, shares, strict=True):
                 landed[leg] = t
                 t += 1.0 - duty_factor + part * spare
-            margin = _least_margin(twist, centres, ends, stride, duty_factor, landed, best.margin)
+            margin = _least_margin(arc, centres, ends, stride, duty_factor, landed, best.margin)
             if margin > best.margin + 1e-9:
                 best = Order(legs, tuple(landed), margin)
     return best
 
 
 def _least_margin(
-    twist: Twist, centres: tuple[XY, ...], ends: tuple[float, ...], stride: float, duty_factor: float, landed: list[float], enough: float
+    arc: ArcPath,
+    centres: tuple[XY, ...],
+    ends: tuple[float, ...],
+    stride: float,
+    duty_factor: float,
+    landed: list[float],
+    enough: float,
 ) -> float:
     """Least polygon margin over a cycle; gives up once it is no better than ``enough``."""
     least = math.inf
@@ -152,7 +182,7 @@ def _least_margin(
             feet = []
             for i in OTHERS[leg]:
                 left = stride * (1.0 - ((now - landed[i]) % 1.0) / duty_factor)
-                feet.append(twist.seen(*centres[i], ends[i] - left))
+                feet.append(arc.seen(*centres[i], ends[i] - left))
             least = min(least, polygon_margin(support_polygon(feet), 0.0, 0.0))
             if least <= enough:
                 return least

@@ -1,1 +1,3 @@
-"""Planner of Kugushev and Jaroshevskij (1975): the gait along a trace, one file per section of the paper."""
+"""Planner of Kugushev and Jaroshevskij (1975): the gait along a trace, one file per section of the
+paper.
+"""

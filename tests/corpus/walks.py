@@ -1,7 +1,7 @@
 """The corpus: walks recorded step by step, which every change of the code must repeat bit for bit.
 
-``python -m tests.corpus.walks check`` walks all of them again; ``record [NAME ...]`` writes them anew, which is done on purpose only,
-in a commit of its own that says what is different and why.
+``python -m tests.corpus.walks check`` walks all of them again; ``record [NAME ...]`` writes them
+anew, which is done on purpose only, in a commit of its own that says what is different and why.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from typing import Any
 
 import numpy as np
 
-from planner.vocabulary import Command
-from server.console import Console, Edit, Pose, Push, prepare
-from server.headless import run
-from server.recording import Recorder
-from sim.scenarios import load_scenario, scenario_names
+from walking_console.planner.types import Command
+from walking_console.sim.runs.recorder import Recorder
+from walking_console.sim.runs.runner import run
+from walking_console.sim.scenario import load_scenario, scenario_names
+from walking_console.sim.simulation import Edit, Pose, Push, Simulation, prepare
 
 RECORDED = Path(__file__).parent / "recorded"
 EVERY = 250  # ticks between the hashes that are kept: they say about when two walks part
@@ -27,7 +27,9 @@ EVERY = 250  # ticks between the hashes that are kept: they say about when two w
 
 @dataclass(frozen=True)
 class Recipe:
-    """A shipped scenario with settings, and what else happens to it: (tick, command or request) in order."""
+    """A shipped scenario with settings, and what else happens to it: (tick, command or request) in
+    order.
+    """
 
     scenario: str
     settings: tuple[str, ...] = ()
@@ -57,30 +59,63 @@ RECIPES: dict[str, Recipe] = {
     "pit-touch": Recipe("pit", ("sensing=none", "end={time=60.0}", FREE)),
     "hillside-ground": Recipe("hillside", ("attitude=ground", "end={time=60.0}", FREE)),
     "slope-ground": Recipe("slope", ("attitude=ground", "end={time=60.0}", FREE)),
-    "rough-noise": Recipe("rough", ("noise={position=0.0005,posture_deg=0.05}", "end={time=40.0}", FREE)),
+    "rough-noise": Recipe(
+        "rough", ("noise={position=0.0005,posture_deg=0.05}", "end={time=40.0}", FREE)
+    ),
     "hexapod-stick": Recipe("flat", (*SIX, STICK, "end={time=32.0}", FREE)),
     "hexapod-holes-eye": Recipe("holes", (*SIX, "sensing=eye", "end={time=30.0}", FREE)),
     "hexapod-ripple": Recipe("tripod", ('gait={rigid="ripple"}', FREE)),
     "phantomx-free": Recipe("tripod", ("robot=phantomx", "gait={}", "end={time=30.0}", FREE)),
     "pushes": Recipe(
         "flat",
-        events=((150, Push(300.0, 0.0, 5)), (400, Push(0.0, -450.0, 20)), (700, Push(-200.0, 250.0, 10))),
+        events=(
+            (150, Push(300.0, 0.0, 5)),
+            (400, Push(0.0, -450.0, 20)),
+            (700, Push(-200.0, 250.0, 10)),
+        ),
         ticks=1000,
     ),
     "stick-that-wanders": Recipe(
         "rough",
         events=(
-            (0, Command(0.0, 0.08)), (130, Command(0.6, 0.05)), (180, Command()), (260, Command(-2.4, 0.1)), (500, Command(0.0, 0.0, 0.2)),
-            (700, Command(1.2, 0.09, -0.1)), (950, Command()), (1000, Pose("sit")), (1300, Pose("stand")), (1500, Command(3.0, 0.1)),
+            (0, Command(0.0, 0.08)),
+            (130, Command(0.6, 0.05)),
+            (180, Command()),
+            (260, Command(-2.4, 0.1)),
+            (500, Command(0.0, 0.0, 0.2)),
+            (700, Command(1.2, 0.09, -0.1)),
+            (950, Command()),
+            (1000, Pose("sit")),
+            (1300, Pose("stand")),
+            (1500, Command(3.0, 0.1)),
         ),
         ticks=1800,
     ),  # fmt: skip
     "ground-that-changes": Recipe(
         "flat",
         events=(
-            (50, Edit("dig", tuple((row, column) for row in range(234, 246) for column in range(262, 268)))),
-            (300, Edit("raise", tuple((row, column) for row in range(220, 260) for column in range(285, 300)), 0.08)),
-            (500, Edit("forbid", tuple((row, column) for row in range(236, 244) for column in range(270, 300)))),
+            (
+                50,
+                Edit(
+                    "dig",
+                    tuple((row, column) for row in range(234, 246) for column in range(262, 268)),
+                ),
+            ),
+            (
+                300,
+                Edit(
+                    "raise",
+                    tuple((row, column) for row in range(220, 260) for column in range(285, 300)),
+                    0.08,
+                ),
+            ),
+            (
+                500,
+                Edit(
+                    "forbid",
+                    tuple((row, column) for row in range(236, 244) for column in range(270, 300)),
+                ),
+            ),
         ),
         ticks=2500,
     ),
@@ -99,11 +134,14 @@ def walk(name: str) -> list[dict[str, Any]]:
         with np.load(out / "ticks.npz", allow_pickle=False) as log:
             hashes = log["hash"]
         steps = [json.loads(line) for line in (out / "steps.jsonl").read_text("utf-8").splitlines()]
-    return [_whole(hashes, summary["state_hash"], summary["result"], summary["reason"]), *map(_step, steps)]
+    return [
+        _whole(hashes, summary["state_hash"], summary["result"], summary["reason"]),
+        *map(_step, steps),
+    ]
 
 
 def _with_events(recipe: Recipe) -> list[dict[str, Any]]:
-    console = Console(prepare(load_scenario(recipe.scenario, recipe.settings)))
+    console = Simulation(prepare(load_scenario(recipe.scenario, recipe.settings)))
     recorder = Recorder(console)
     console.order(Command(0.0, 0.08))
     pending = list(recipe.events)
@@ -116,7 +154,10 @@ def _with_events(recipe: Recipe) -> list[dict[str, Any]]:
                 console.request(given)
         console.tick()
         recorder.note()
-    return [_whole(recorder.columns()["hash"], recorder.state_hash, console.mode.name, console.reason), *map(_step, recorder.steps)]
+    return [
+        _whole(recorder.columns()["hash"], recorder.state_hash, console.mode.name, console.reason),
+        *map(_step, recorder.steps),
+    ]
 
 
 def _whole(hashes: np.ndarray, state_hash: str, result: str, reason: str) -> dict[str, Any]:
@@ -135,7 +176,9 @@ def _step(step: dict[str, Any]) -> dict[str, Any]:
 
 def recorded(name: str) -> list[dict[str, Any]]:
     """The lines kept of a walk."""
-    return [json.loads(line) for line in (RECORDED / f"{name}.jsonl").read_text("utf-8").splitlines()]
+    return [
+        json.loads(line) for line in (RECORDED / f"{name}.jsonl").read_text("utf-8").splitlines()
+    ]
 
 
 def difference(name: str) -> str:
@@ -147,7 +190,12 @@ def difference(name: str) -> str:
         if one != other:
             return f"step {number}: {other} where {one} was recorded"
     ticks = next(
-        (EVERY * k for k, (one, other) in enumerate(zip(was[0]["hashes"], now[0]["hashes"], strict=False)) if one != other), None
+        (
+            EVERY * k
+            for k, (one, other) in enumerate(zip(was[0]["hashes"], now[0]["hashes"], strict=False))
+            if one != other
+        ),
+        None,
     )
     return f"after tick {ticks}: {now[0]} where {was[0]} was recorded"
 

@@ -7,14 +7,24 @@ from itertools import product
 import numpy as np
 import pytest
 
-from planner import brain
-from planner.attitude import LEAN_GRAIN, SHARE, SLACK, Attitude, fitted, fitted_at_start, followed, plane_of, slope_under
-from planner.crab.standard import standard_for, standard_stance, stroke_length
-from planner.lean import LEAN_STEP, LEVEL
-from planner.lookahead import in_one_go
-from planner.machine import Machine, load_machine
-from planner.terrain import TerrainMap
-from planner.vocabulary import Command, Gait, Stance, StepPlan
+from walking_console.planner import registry
+from walking_console.planner.crab.gait import standard_for, standard_stance, stroke_length
+from walking_console.planner.crab.slope_adaptation import (
+    LEAN_GRAIN,
+    SHARE,
+    SLACK,
+    Attitude,
+    fitted,
+    fitted_at_start,
+    followed,
+    plane_of,
+    slope_under,
+)
+from walking_console.planner.motion.body_tilt import LEAN_STEP, LEVEL
+from walking_console.planner.robot.model import Machine, load_machine
+from walking_console.planner.search import in_one_go
+from walking_console.planner.terrain.map import TerrainMap
+from walking_console.planner.types import Command, Gait, Stance, StepPlan
 
 TITAN = load_machine("titan3")
 GAIT = Gait(TITAN.duty_factor, TITAN.lift_up, TITAN.lift_down, TITAN.height)
@@ -26,7 +36,12 @@ def inclined(degrees: float, heading: float = 0.0, span: float = 12.0) -> Terrai
     n, steep = round(span / CELL), math.tan(math.radians(degrees))
     at = (np.arange(n) + 0.5) * CELL - span / 2
     gx, gy = steep * math.cos(math.radians(heading)), steep * math.sin(math.radians(heading))
-    return TerrainMap(gx * at[None, :] + gy * at[:, None], np.zeros((n, n), dtype=bool), CELL, (-span / 2, -span / 2))
+    return TerrainMap(
+        gx * at[None, :] + gy * at[:, None],
+        np.zeros((n, n), dtype=bool),
+        CELL,
+        (-span / 2, -span / 2),
+    )
 
 
 def slope(degrees: float, heading: float) -> tuple[float, float]:
@@ -41,17 +56,26 @@ def start(terrain: TerrainMap, course: float = 0.0, machine: Machine = TITAN) ->
 # strides
 
 
-@pytest.mark.parametrize(("degrees", "heading", "course"), list(product((5, 10, 15), (0, 45, 90, 200), (0, 45, 90))))
-def test_where_the_standard_walk_fits_the_whole_boxes_the_machine_is_itself(degrees: int, heading: int, course: int) -> None:
+@pytest.mark.parametrize(
+    ("degrees", "heading", "course"), list(product((5, 10, 15), (0, 45, 90, 200), (0, 45, 90)))
+)
+def test_where_the_standard_walk_fits_the_whole_boxes_the_machine_is_itself(
+    degrees: int, heading: int, course: int
+) -> None:
     assert fitted(TITAN, GAIT, 0.0, slope(degrees, heading), LEVELS, math.radians(course)) is TITAN
 
 
-@pytest.mark.parametrize(("heading", "course"), list(product((0, 45, 90, 135, 250), (0, 30, 45, 90, 160))))
-def test_on_25_degrees_the_feet_of_the_standard_walk_stand_within_their_heights(heading: int, course: int) -> None:
+@pytest.mark.parametrize(
+    ("heading", "course"), list(product((0, 45, 90, 135, 250), (0, 30, 45, 90, 160)))
+)
+def test_on_25_degrees_the_feet_of_the_standard_walk_stand_within_their_heights(
+    heading: int, course: int
+) -> None:
     gx, gy = slope(25, heading)
     machine = fitted(TITAN, GAIT, 0.0, (gx, gy), LEVELS, math.radians(course))
     assert machine is not None
-    assert machine.reach.z_span == TITAN.reach.z_span  # one box mirrored to four quadrants, or ``reach`` raises
+    # one box mirrored to four quadrants, or ``reach`` raises
+    assert machine.reach.z_span == TITAN.reach.z_span
     standard = standard_for(machine, GAIT, math.radians(course))
     if machine is not TITAN:
         assert standard.stride <= standard_for(TITAN, GAIT, math.radians(course)).stride
@@ -61,7 +85,9 @@ def test_on_25_degrees_the_feet_of_the_standard_walk_stand_within_their_heights(
         for leg, ahead in zip(standard.body_leg, row, strict=True):
             cx, cy = machine.legs[leg].centre
             heights.append(gx * (cx + ahead * ux) + gy * (cy + ahead * uy))
-        assert max(heights) - min(heights) <= TITAN.reach.z_span * (1.0 - SLACK / 2 if machine is not TITAN else 1.0)
+        assert max(heights) - min(heights) <= TITAN.reach.z_span * (
+            1.0 - SLACK / 2 if machine is not TITAN else 1.0
+        )
 
 
 def test_inner_edges_stay_and_no_box_grows() -> None:
@@ -73,14 +99,19 @@ def test_inner_edges_stay_and_no_box_grows() -> None:
 
 
 @pytest.mark.parametrize("lean", [LEVEL, (0.06, 0.06)])
-def test_a_machine_a_fifth_as_large_takes_the_same_strides_a_fifth_as_long(lean: tuple[float, float]) -> None:
+def test_a_machine_a_fifth_as_large_takes_the_same_strides_a_fifth_as_long(
+    lean: tuple[float, float],
+) -> None:
     def fifth(span: tuple[float, float]) -> tuple[float, float]:
         return span[0] / 5, span[1] / 5
 
     legs = tuple(replace(leg, x=fifth(leg.x), y=fifth(leg.y), z=fifth(leg.z)) for leg in TITAN.legs)
     small = replace(TITAN, legs=legs, overreach=(0.01, 0.01, 0.03))
     short = Gait(GAIT.duty_factor, GAIT.lift_up / 5, GAIT.lift_down / 5, GAIT.height / 5)
-    one, other = (fitted(machine, gait, 0.0, slope(25, 45), (lean, lean), 0.0) for machine, gait in ((TITAN, GAIT), (small, short)))
+    one, other = (
+        fitted(machine, gait, 0.0, slope(25, 45), (lean, lean), 0.0)
+        for machine, gait in ((TITAN, GAIT), (small, short))
+    )
     assert one is not None and other is not None and one is not TITAN
     assert np.allclose(np.array(one.boxes) / 5, np.array(other.boxes))
 
@@ -92,7 +123,9 @@ def test_nothing_fits_a_wall() -> None:
 def test_a_machine_that_turns_fits_every_heading() -> None:
     turning = fitted(TITAN, GAIT, 0.0, slope(20, 0), LEVELS, None)
     assert turning is not None and turning is not TITAN
-    outer = math.hypot(turning.reach.x0 + turning.reach.x_span, turning.reach.y0 + turning.reach.y_span)
+    outer = math.hypot(
+        turning.reach.x0 + turning.reach.x_span, turning.reach.y0 + turning.reach.y_span
+    )
     assert 2 * math.tan(math.radians(20)) * outer <= TITAN.reach.z_span
     assert turning is fitted(TITAN, GAIT, 1.1, slope(20, 0), LEVELS, None)
     assert fitted(TITAN, GAIT, 0.0, slope(10, 0), LEVELS, None) is TITAN
@@ -100,8 +133,8 @@ def test_a_machine_that_turns_fits_every_heading() -> None:
 
 def test_the_start_posture_of_the_printed_modes_stays_as_it_was() -> None:
     terrain, pose = inclined(25), (0.0, 0.0, 0.0)
-    printed = brain.start_stance("crab", TITAN, GAIT, 0.0, pose, terrain.height_at, "paper")
-    fits = brain.start_stance("crab", TITAN, GAIT, 0.0, pose, terrain.height_at, "predictive")
+    printed = registry.start_stance("crab", TITAN, GAIT, 0.0, pose, terrain.height_at, "paper")
+    fits = registry.start_stance("crab", TITAN, GAIT, 0.0, pose, terrain.height_at, "predictive")
     assert printed == start(terrain)
     assert max(f[0] for f in fits.feet) < max(f[0] for f in printed.feet)
     assert fitted_at_start(TITAN, GAIT, 0.0, pose, lambda x, y: 0.0) is TITAN
@@ -117,14 +150,20 @@ def test_the_slope_is_that_of_the_plane_whatever_stands_or_gapes_in_it() -> None
     heights[128:132, 108:112] = math.nan  # a hole beside
     stance, command = start(terrain), Command(0.0, 0.08)
     for ground in (terrain, replace(terrain, heights=heights)):
-        assert slope_under(stance, command, ground, TITAN) == pytest.approx(slope(15, 30), abs=0.012)
+        assert slope_under(stance, command, ground, TITAN) == pytest.approx(
+            slope(15, 30), abs=0.012
+        )
 
 
 def test_ground_it_does_not_know_has_no_slope_of_its_own() -> None:
     terrain = inclined(15)
-    wrong = replace(terrain, heights=np.where(np.indices(terrain.heights.shape)[1] > 120, 3.0, terrain.heights))
+    wrong = replace(
+        terrain, heights=np.where(np.indices(terrain.heights.shape)[1] > 120, 3.0, terrain.heights)
+    )
     known = np.indices(terrain.heights.shape)[1] <= 120
-    assert slope_under(start(terrain), Command(0.0, 0.08), replace(wrong, known=known), TITAN)[0] == pytest.approx(0.268, abs=0.02)
+    assert slope_under(start(terrain), Command(0.0, 0.08), replace(wrong, known=known), TITAN)[
+        0
+    ] == pytest.approx(0.268, abs=0.02)
 
 
 def test_points_in_a_line_make_no_slope() -> None:
@@ -132,23 +171,35 @@ def test_points_in_a_line_make_no_slope() -> None:
 
 
 def test_a_slope_that_hardly_changes_keeps_the_strides() -> None:
-    walks = Attitude(TITAN, GAIT, lambda machine: brain.crab_brain("paper", machine, GAIT))
+    walks = Attitude(TITAN, GAIT, lambda machine: registry.crab_brain("paper", machine, GAIT))
     stance, command = start(inclined(24.9, 45)), Command(0.0, 0.08)
-    machines = {id(walks.frame(stance, command, inclined(degrees, 45)).machine) for degrees in (24.9, 25.0, 25.1, 24.8, 25.0)}
+    machines = {
+        id(walks.frame(stance, command, inclined(degrees, 45)).machine)
+        for degrees in (24.9, 25.0, 25.1, 24.8, 25.0)
+    }
     assert len(machines) == 1
 
 
 # leaning
 
 
-@pytest.mark.parametrize(("degrees", "heading", "course"), list(product((5, 10, 15, 20, 25), (0, 45, 90, 210), (0, 45, 90))))
-def test_the_lean_taken_leaves_the_share_of_the_longest_stride(degrees: int, heading: int, course: int) -> None:
+@pytest.mark.parametrize(
+    ("degrees", "heading", "course"),
+    list(product((5, 10, 15, 20, 25), (0, 45, 90, 210), (0, 45, 90))),
+)
+def test_the_lean_taken_leaves_the_share_of_the_longest_stride(
+    degrees: int, heading: int, course: int
+) -> None:
     gx, gy = (round(v, 4) for v in slope(degrees, heading))
 
     def stride(share: float) -> float:
         lean = share * gx, share * gy
         fit = fitted(TITAN, GAIT, 0.0, (gx, gy), (lean, lean), math.radians(course))
-        return 0.0 if fit is None else stroke_length(fit.reach.x_span, fit.reach.y_span, math.radians(course))
+        return (
+            0.0
+            if fit is None
+            else stroke_length(fit.reach.x_span, fit.reach.y_span, math.radians(course))
+        )
 
     taken = followed(TITAN, GAIT, (gx, gy), course)
     longest = max(stride(k / 10) for k in range(11))
@@ -165,37 +216,43 @@ def test_a_diagonal_slope_of_25_degrees_is_walked_in_longer_strides_with_a_lean(
 
 
 def test_a_leaning_body_leans_slowly_and_comes_back_to_level() -> None:
-    walks, command = brain.crab_brain("predictive", TITAN, GAIT, "ground"), Command(0.0, 0.08)
+    walks, command = registry.crab_brain("predictive", TITAN, GAIT, "ground"), Command(0.0, 0.08)
     assert isinstance(walks, Attitude)
     hill, flat = inclined(10), inclined(0)
     stance, leans = start(hill), [LEVEL]
     for step in range(20):
         if step == 8:
-            lifted = tuple((x, y, 0.0) for x, y, _ in stance.feet)  # the same posture, set down on level ground
+            # the same posture, set down on level ground
+            lifted = tuple((x, y, 0.0) for x, y, _ in stance.feet)
             stance = replace(stance, body=(*stance.body[:2], GAIT.height, 0.0), feet=lifted)
         plan = in_one_go(walks(stance, command, hill if step < 8 else flat))
-        assert isinstance(plan, StepPlan) and math.dist(plan.end.lean, leans[-1]) <= LEAN_STEP + 1e-12
+        assert (
+            isinstance(plan, StepPlan) and math.dist(plan.end.lean, leans[-1]) <= LEAN_STEP + 1e-12
+        )
         stance = plan.end
         leans.append(stance.lean)
-    assert leans[8][0] == pytest.approx(0.5 * math.tan(math.radians(10)), abs=LEAN_GRAIN) and abs(leans[8][1]) < 1e-9
+    assert (
+        leans[8][0] == pytest.approx(0.5 * math.tan(math.radians(10)), abs=LEAN_GRAIN)
+        and abs(leans[8][1]) < 1e-9
+    )
     assert leans[-1] == LEVEL
 
 
 def test_a_level_attitude_never_leans_and_hands_the_step_on_untouched() -> None:
     terrain, command = inclined(10), Command(0.0, 0.08)
-    level = brain.crab_brain("predictive", TITAN, GAIT)
+    level = registry.crab_brain("predictive", TITAN, GAIT)
     plan = in_one_go(level(start(terrain), command, terrain))
     assert isinstance(plan, StepPlan) and plan.lean is None and plan.end.lean == LEVEL
 
 
 def test_the_attitude_may_change_its_mind_and_other_planners_refuse() -> None:
-    walks = brain.crab_brain("predictive", TITAN, GAIT)
-    brain.take_attitude(walks, "ground")
-    assert brain.attitude_of(walks) == "ground"
-    printed = brain.crab_brain("paper", TITAN, GAIT)
-    brain.take_attitude(printed, "level")
-    with pytest.raises(brain.BrainError, match="predictive"):
-        brain.take_attitude(printed, "ground")
-    with pytest.raises(brain.BrainError, match="there are: level, ground"):
-        brain.take_attitude(walks, "askew")
-    assert brain.attitude_of(printed) == "level"
+    walks = registry.crab_brain("predictive", TITAN, GAIT)
+    registry.take_attitude(walks, "ground")
+    assert registry.attitude_of(walks) == "ground"
+    printed = registry.crab_brain("paper", TITAN, GAIT)
+    registry.take_attitude(printed, "level")
+    with pytest.raises(registry.PlannerError, match="predictive"):
+        registry.take_attitude(printed, "ground")
+    with pytest.raises(registry.PlannerError, match="there are: level, ground"):
+        registry.take_attitude(walks, "askew")
+    assert registry.attitude_of(printed) == "level"

@@ -5,16 +5,16 @@ import math
 import numpy as np
 import pytest
 
-from planner.belief import Belief
-from planner.machine import load_machine
-from planner.terrain import Kind, TerrainMap, classify, kinds
+from walking_console.planner.robot.model import load_machine
+from walking_console.planner.terrain.map import Kind, TerrainMap, classify, kinds
+from walking_console.planner.terrain.mapping import ElevationMapper
 
 MACHINE = load_machine("titan3")
 CELL = 0.025
 
 
 def blank(unknown="flat", shape=(80, 120), cell=CELL, **more):
-    return Belief(shape, cell, (-1.0, -1.0), MACHINE, unknown=unknown, **more)
+    return ElevationMapper(shape, cell, (-1.0, -1.0), MACHINE, unknown=unknown, **more)
 
 
 def everything(heights):
@@ -48,7 +48,12 @@ def test_a_hole_is_h_a_pole_is_p_and_its_rim_both():
     heights[30, 30] = np.nan
     heights[50:62, 50:62] = 0.9
     found = kinds(heights, np.ones(heights.shape, dtype=bool), CELL, MACHINE)
-    assert (found[30, 30], found[55, 55], found[50, 55], found[10, 10]) == (Kind.H, Kind.P, Kind.HP, Kind.O)
+    assert (found[30, 30], found[55, 55], found[50, 55], found[10, 10]) == (
+        Kind.H,
+        Kind.P,
+        Kind.HP,
+        Kind.O,
+    )
 
 
 def test_on_final_ground_only_the_cell_under_the_tip_counts():
@@ -102,7 +107,14 @@ def test_what_a_map_had_worked_out_stays_right_in_the_next():
     rows, columns, values = everything(heights)
     for part in np.array_split(rng.permutation(rows.size), 9):
         ground = belief.observe(rows[part], columns[part], values[part])
-        fresh = TerrainMap(ground.heights, ground.forbidden, ground.cell, ground.origin, ground.foot_radius, ground.known)
+        fresh = TerrainMap(
+            ground.heights,
+            ground.forbidden,
+            ground.cell,
+            ground.origin,
+            ground.foot_radius,
+            ground.known,
+        )
         assert np.array_equal(np.array(ground.crest_view), np.array(fresh.crest_view))
 
 

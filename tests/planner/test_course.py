@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from planner.course import Twist, line_exit, line_segment, twist_of
+from walking_console.planner.geometry.paths import ArcPath, arc_of_command, line_exit, line_segment
 
 BOX = (0.20, 0.70, 0.30, 0.65)  # titan3, front left
 
@@ -13,7 +13,8 @@ BOX = (0.20, 0.70, 0.30, 0.65)  # titan3, front left
 def test_the_exit_is_h_equations_4_to_9():
     assert line_exit(0.45, 0.475, BOX, 1.0, 0.0) == pytest.approx(0.25)  # (4): (x − x0) / cos α
     assert line_exit(0.45, 0.475, BOX, 0.0, 1.0) == pytest.approx(0.175)  # (6): (y − y0) / sin α
-    assert line_exit(0.45, 0.475, BOX, 0.0, -1.0) == pytest.approx(0.175)  # (8): (y − y0 − y*) / sin α
+    # (8): (y − y0 − y*) / sin α
+    assert line_exit(0.45, 0.475, BOX, 0.0, -1.0) == pytest.approx(0.175)
     assert line_exit(0.45, 0.475, BOX, -1.0, 0.0) == pytest.approx(0.25)
 
 
@@ -24,17 +25,20 @@ def test_an_exit_already_passed_is_negative():
 def test_the_segment_holds_just_the_s_at_which_the_foot_is_within_reach():
     rng = np.random.default_rng(3)
     for _ in range(500):
-        angle, turn = rng.uniform(-math.pi, math.pi), float(rng.choice([0.0, rng.uniform(-1.4, 1.4)]))
+        angle, turn = (
+            rng.uniform(-math.pi, math.pi),
+            float(rng.choice([0.0, rng.uniform(-1.4, 1.4)])),
+        )
         scale = math.sqrt(max(0.0, 1.0 - (0.65 * turn) ** 2))
-        twist = Twist(scale * math.cos(angle), scale * math.sin(angle), turn)
+        arc = ArcPath(scale * math.cos(angle), scale * math.sin(angle), turn)
         x, y = rng.uniform(0.2, 0.7), rng.uniform(0.3, 0.65)
-        s1, s2 = twist.segment(x, y, BOX)
+        s1, s2 = arc.segment(x, y, BOX)
         assert s1 <= 1e-9 and s2 >= -1e-9
         for s in np.linspace(max(s1, -1.0) + 1e-6, min(s2, 1.0) - 1e-6, 11):
-            bx, by = twist.seen(x, y, float(s))
+            bx, by = arc.seen(x, y, float(s))
             assert BOX[0] - 1e-7 <= bx <= BOX[1] + 1e-7 and BOX[2] - 1e-7 <= by <= BOX[3] + 1e-7
         if math.isfinite(s2):
-            bx, by = twist.seen(x, y, s2 + 1e-5)
+            bx, by = arc.seen(x, y, s2 + 1e-5)
             assert not (BOX[0] <= bx <= BOX[1] and BOX[2] <= by <= BOX[3])
 
 
@@ -44,20 +48,20 @@ def test_a_foothold_that_never_comes_within_reach_has_no_segment():
 
 
 def test_a_turn_on_the_spot_has_a_length():
-    twist, pace = twist_of(0.3, 0.0, 0.2, 0.65)
+    arc, pace = arc_of_command(0.3, 0.0, 0.2, 0.65)
     assert pace == pytest.approx(0.13)
-    assert (twist.ux, twist.uy) == pytest.approx((0.0, 0.0))
-    assert twist.pose(0.65 * math.pi)[2] == pytest.approx(math.pi)
+    assert (arc.ux, arc.uy) == pytest.approx((0.0, 0.0))
+    assert arc.pose(0.65 * math.pi)[2] == pytest.approx(math.pi)
 
 
 def test_an_arc_ends_up_where_small_steps_along_it_do():
-    twist, _ = twist_of(0.4, 0.1, 0.15, 0.65)
+    arc, _ = arc_of_command(0.4, 0.1, 0.15, 0.65)
     x = y = yaw = 0.0
     steps = 20000
     for _ in range(steps):
         h = 1.0 / steps
-        middle = yaw + twist.turn * h / 2
-        x += h * (twist.ux * math.cos(middle) - twist.uy * math.sin(middle))
-        y += h * (twist.ux * math.sin(middle) + twist.uy * math.cos(middle))
-        yaw += twist.turn * h
-    assert twist.pose(1.0) == pytest.approx((x, y, yaw), abs=1e-8)
+        middle = yaw + arc.turn * h / 2
+        x += h * (arc.ux * math.cos(middle) - arc.uy * math.sin(middle))
+        y += h * (arc.ux * math.sin(middle) + arc.uy * math.cos(middle))
+        yaw += arc.turn * h
+    assert arc.pose(1.0) == pytest.approx((x, y, yaw), abs=1e-8)

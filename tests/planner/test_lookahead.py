@@ -2,7 +2,7 @@
 
 from itertools import islice
 
-from planner.lookahead import Branch, Option, beam, firsts, ranked, rollouts
+from walking_console.planner.search import Branch, Option, beam, firsts, ranked, rollouts
 
 HOLES = {3, 5, 6}
 
@@ -15,7 +15,9 @@ def options(place, depth):
 
 
 def finish(search, *sent):
-    """Run a search to its end, sending what is given at each pause; its answer and the number of pauses."""
+    """Run a search to its end, sending what is given at each pause; its answer and the number of
+    pauses.
+    """
     pauses, answers = 0, list(sent)
     value = None
     while True:
@@ -30,7 +32,8 @@ def finish(search, *sent):
 def test_a_beam_finds_the_way_that_a_greedy_choice_misses():
     found, _ = finish(beam(0, options, depth=3, width=4))
     assert found.finished
-    assert found.ways[0].state == 4 and found.ways[0].gain == 4.0  # 2 then 2; then nothing: 5 and 6 are holes
+    # 2 then 2; then nothing: 5 and 6 are holes
+    assert found.ways[0].state == 4 and found.ways[0].gain == 4.0
     best = max(found.ways, key=lambda way: way.gain)
     assert best.first in (1, 2)
 
@@ -51,7 +54,9 @@ def test_a_beam_pauses_after_every_state_it_looks_at_and_no_more():
 def test_a_beam_that_is_wanted_now_answers_with_what_it_has():
     free = lambda place, depth: [Option(1, place + 1, 1.0, 0.0), Option(2, place + 2, 2.0, 0.0)]  # noqa: E731
     found, pauses = finish(beam(0, free, depth=4, width=3), True)
-    assert pauses == 1 and not found.finished and found.ways[0].first == 2 and found.ways[0].steps == 1
+    assert (
+        pauses == 1 and not found.finished and found.ways[0].first == 2 and found.ways[0].steps == 1
+    )
 
 
 def test_rollouts_follow_the_policy_and_count_what_came_before():
@@ -64,7 +69,9 @@ def test_rollouts_follow_the_policy_and_count_what_came_before():
 
 
 def test_rollouts_that_are_wanted_now_have_looked_at_one_option_at_least():
-    found, pauses = finish(rollouts(((o, o.choice) for o in islice(options(0, 0), 2)), lambda place: None, 4), True)
+    found, pauses = finish(
+        rollouts(((o, o.choice) for o in islice(options(0, 0), 2)), lambda place: None, 4), True
+    )
     assert pauses == 1 and not found.finished and len(found.ways) == 1
 
 

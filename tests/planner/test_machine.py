@@ -4,7 +4,13 @@ import math
 
 import pytest
 
-from planner.machine import MachineError, as_data, load_machine, machine_from, machine_names
+from walking_console.planner.robot.model import (
+    MachineError,
+    as_data,
+    load_machine,
+    machine_from,
+    machine_names,
+)
 
 
 @pytest.mark.parametrize("name", machine_names())
@@ -22,7 +28,14 @@ def test_a_robot_written_as_data_is_the_same_robot(name):
 
 def test_titan3_has_the_reach_of_the_specification():
     reach = load_machine("titan3").reach
-    assert (reach.x0, reach.x_span, reach.y0, reach.y_span, reach.z0, reach.z_span) == (0.20, 0.50, 0.30, 0.35, 0.60, 0.50)
+    assert (reach.x0, reach.x_span, reach.y0, reach.y_span, reach.z0, reach.z_span) == (
+        0.20,
+        0.50,
+        0.30,
+        0.35,
+        0.60,
+        0.50,
+    )
 
 
 def test_an_unknown_robot_is_answered_with_the_known_ones():

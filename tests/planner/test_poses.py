@@ -1,4 +1,6 @@
-"""Sitting down, standing up and back into the standard layout, from random postures on level, forbidden and rough ground."""
+"""Sitting down, standing up and back into the standard layout, from random postures on level,
+forbidden and rough ground.
+"""
 
 import math
 from dataclasses import replace
@@ -6,15 +8,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from planner.brain import start_stance
-from planner.crab.height import CLEARANCE
-from planner.lookahead import in_one_go
-from planner.machine import Machine, load_machine
-from planner.poses import GIVE, STILL, THERE, Poses, regroup, sit, stand
-from planner.support import polygon_margin, support_polygon
-from planner.terrain import TerrainMap
-from planner.vocabulary import Blocked, Gait, Phase, Stance, StepPlan
 from tests.sweeps.postures import MACHINES, gait_of, ground_of, random_stance
+from walking_console.planner.motion.body_height import CLEARANCE
+from walking_console.planner.motion.postures import GIVE, STILL, THERE, Poses, regroup, sit, stand
+from walking_console.planner.registry import start_stance
+from walking_console.planner.robot.model import Machine, load_machine
+from walking_console.planner.search import in_one_go
+from walking_console.planner.stability import polygon_margin, support_polygon
+from walking_console.planner.terrain.map import TerrainMap
+from walking_console.planner.types import Blocked, Gait, Phase, Stance, StepPlan
 
 GROUNDS = ("level", "30 % forbidden", "80 % forbidden", "rough")
 POSTURES = 40  # of each machine on each ground
@@ -25,26 +27,50 @@ def in_body(plan: StepPlan) -> np.ndarray:
     """Foot tips of every knot as the body sees them, (m, n, 3)."""
     relative = plan.feet - plan.body[:, None, :3]
     c, s = np.cos(plan.body[:, 3])[:, None], np.sin(plan.body[:, 3])[:, None]
-    return np.stack([c * relative[..., 0] + s * relative[..., 1], c * relative[..., 1] - s * relative[..., 0], relative[..., 2]], axis=-1)
+    return np.stack(
+        [
+            c * relative[..., 0] + s * relative[..., 1],
+            c * relative[..., 1] - s * relative[..., 0],
+            relative[..., 2],
+        ],
+        axis=-1,
+    )
 
 
 def assert_sound(plans: Poses, start: Stance, terrain: TerrainMap, machine: Machine) -> None:
-    """What holds for every posture being taken: one story without jumps, on feet that carry, in reach, within speed, over the ground."""
+    """What holds for every posture being taken: one story without jumps, on feet that carry, in
+    reach, within speed, over the ground.
+    """
     body, feet = start.body, start.feet
     for plan in plans:
-        assert plan.body[0] == pytest.approx(body) and plan.feet[0].ravel() == pytest.approx(np.array(feet).ravel())
-        assert len(plan.swing) <= 1 and len(plan.phases) == len(plan.times) - 1 and (np.diff(plan.times) > 0.0).all()
+        assert plan.body[0] == pytest.approx(body) and plan.feet[0].ravel() == pytest.approx(
+            np.array(feet).ravel()
+        )
+        assert (
+            len(plan.swing) <= 1
+            and len(plan.phases) == len(plan.times) - 1
+            and (np.diff(plan.times) > 0.0).all()
+        )
         seen = in_body(plan)
         speeds = np.abs(np.diff(seen, axis=0)) / np.diff(plan.times)[:, None, None]
         assert (speeds.max(axis=(0, 1)) <= np.array(machine.speed) + ROUND).all()
         standing = [leg for leg in range(len(feet)) if leg not in plan.swing]
-        assert (plan.feet[:, standing] == plan.feet[0, standing]).all(), "feet that stand stay where they are"
+        assert (plan.feet[:, standing] == plan.feet[0, standing]).all(), (
+            "feet that stand stay where they are"
+        )
         polygon = support_polygon([feet[leg] for leg in standing])
         assert min(polygon_margin(polygon, x, y) for x, y in plan.body[:, :2]) >= -ROUND
         for index, leg in enumerate(machine.legs):
             for axis, (low, high) in enumerate((leg.x, leg.y, leg.z)):
-                over = machine.overreach[axis] + ROUND if index in plan.swing and axis == 2 else STILL + ROUND
-                assert seen[:, index, axis].min() >= low - over and seen[:, index, axis].max() <= high + over, (leg.name, "xyz"[axis])
+                over = (
+                    machine.overreach[axis] + ROUND
+                    if index in plan.swing and axis == 2
+                    else STILL + ROUND
+                )
+                assert (
+                    seen[:, index, axis].min() >= low - over
+                    and seen[:, index, axis].max() <= high + over
+                ), (leg.name, "xyz"[axis])
         if plan.swing:
             assert (plan.body == plan.body[0]).all(), "the body waits while a foot is in the air"
             assert_swings_clear(plan, terrain)
@@ -62,9 +88,17 @@ def assert_swings_clear(plan: StepPlan, terrain: TerrainMap) -> None:
             assert z >= terrain.height_at(x, y) + CLEARANCE - ROUND
 
 
-def places(machine: Machine, leg: int, goal: Stance, stance: Stance, terrain: TerrainMap, gait: Gait) -> list[float]:
-    """Distances from a foot's place of every cell centre it could have taken instead, by looking at them all."""
-    (gx, gy, _), (x1, x2, y1, y2), (low, high) = goal.feet[leg], machine.boxes[leg], machine.legs[leg].z
+def places(
+    machine: Machine, leg: int, goal: Stance, stance: Stance, terrain: TerrainMap, gait: Gait
+) -> list[float]:
+    """Distances from a foot's place of every cell centre it could have taken instead, by looking at
+    them all.
+    """
+    (gx, gy, _), (x1, x2, y1, y2), (low, high) = (
+        goal.feet[leg],
+        machine.boxes[leg],
+        machine.legs[leg].z,
+    )
     bx, by, _, yaw = goal.body
     level = sum(foot[2] for foot in stance.feet) / len(stance.feet) + gait.height
     c, s = math.cos(yaw), math.sin(yaw)
@@ -79,23 +113,38 @@ def places(machine: Machine, leg: int, goal: Stance, stance: Stance, terrain: Te
 
 @pytest.mark.parametrize("kind", GROUNDS)
 @pytest.mark.parametrize("name", MACHINES)
-def test_from_every_posture_the_feet_come_back_into_the_standard_layout(name: str, kind: str) -> None:
-    machine, rng, stuck, beside = load_machine(name), np.random.default_rng([7, len(name), GROUNDS.index(kind)]), [], 0
+def test_from_every_posture_the_feet_come_back_into_the_standard_layout(
+    name: str, kind: str
+) -> None:
+    machine, rng, stuck, beside = (
+        load_machine(name),
+        np.random.default_rng([7, len(name), GROUNDS.index(kind)]),
+        [],
+        0,
+    )
     crab = MACHINES[name] == "crab"
     for _ in range(POSTURES):
         gait = gait_of(machine, float(rng.uniform(0.75, 0.9)) if crab else None)
         terrain = ground_of(kind, machine, rng)
         stance = random_stance(machine, gait, terrain, rng)
         angle = float(rng.uniform(-math.pi, math.pi))
-        goal = start_stance(MACHINES[name], machine, gait, angle, (0.0, 0.0, stance.body[3]), terrain.height_at)
+        goal = start_stance(
+            MACHINES[name], machine, gait, angle, (0.0, 0.0, stance.body[3]), terrain.height_at
+        )
         plans = in_one_go(regroup(stance, goal, terrain, machine, gait, angle))
         if isinstance(plans, Blocked):
             stuck.append(plans.reason)
             continue
         assert_sound(plans, stance, terrain, machine)
         end = plans[-1].end
-        assert end.body[:2] == pytest.approx((0.0, 0.0), abs=STILL) and end.body[3] == stance.body[3]
-        assert (end.last_swing, end.quarter_turns, end.lifted) == (goal.last_swing, goal.quarter_turns, ())
+        assert (
+            end.body[:2] == pytest.approx((0.0, 0.0), abs=STILL) and end.body[3] == stance.body[3]
+        )
+        assert (end.last_swing, end.quarter_turns, end.lifted) == (
+            goal.last_swing,
+            goal.quarter_turns,
+            (),
+        )
         assert polygon_margin(support_polygon(end.feet), 0.0, 0.0) > 0.0
         for leg, (foot, place) in enumerate(zip(end.feet, goal.feet, strict=True)):
             off = math.dist(foot[:2], place[:2])
@@ -104,21 +153,34 @@ def test_from_every_posture_the_feet_come_back_into_the_standard_layout(name: st
                 assert terrain.allows(*foot[:2])
                 beside += off > min(places(machine, leg, goal, stance, terrain, gait)) + ROUND
     assert len(stuck) <= (1 if kind == "rough" else 0), stuck
-    assert beside <= 0.01 * POSTURES * len(machine.legs), "the nearest cell that may be stepped on, but for one foot in a hundred"
+    assert beside <= 0.01 * POSTURES * len(machine.legs), (
+        "the nearest cell that may be stepped on, but for one foot in a hundred"
+    )
 
 
 @pytest.mark.parametrize("duty_factor", (0.75, 0.8, 0.9))
-def test_from_the_standard_posture_of_every_course_to_that_of_every_other(duty_factor: float) -> None:
+def test_from_the_standard_posture_of_every_course_to_that_of_every_other(
+    duty_factor: float,
+) -> None:
     """Feet at both ends of their reach leave the body a line to sway along, or nothing."""
     machine = load_machine("titan3")
-    gait, terrain = gait_of(machine, duty_factor), ground_of("level", machine, np.random.default_rng(1))
-    layouts = [start_stance("crab", machine, gait, math.radians(d), (0.0, 0.0, 0.0), terrain.height_at) for d in range(-180, 180, 30)]
+    gait, terrain = (
+        gait_of(machine, duty_factor),
+        ground_of("level", machine, np.random.default_rng(1)),
+    )
+    layouts = [
+        start_stance("crab", machine, gait, math.radians(d), (0.0, 0.0, 0.0), terrain.height_at)
+        for d in range(-180, 180, 30)
+    ]
     for stance in layouts:
         for goal in layouts:
             plans = in_one_go(regroup(stance, goal, terrain, machine, gait))
             assert not isinstance(plans, Blocked), plans.reason
             assert_sound(plans, stance, terrain, machine)
-            assert all(math.dist(foot, place) <= THERE for foot, place in zip(plans[-1].end.feet, goal.feet, strict=True))
+            assert all(
+                math.dist(foot, place) <= THERE
+                for foot, place in zip(plans[-1].end.feet, goal.feet, strict=True)
+            )
 
 
 @pytest.mark.parametrize("kind", GROUNDS)
@@ -137,22 +199,34 @@ def test_it_sits_down_on_its_feet_and_stands_up_again(name: str, kind: str) -> N
         for plan in (*down, *up):
             speeds = np.abs(np.diff(in_body(plan), axis=0)) / np.diff(plan.times)[:, None, None]
             assert plan.swing == () and speeds.max() <= machine.speed[2]
-            assert (plan.feet == plan.feet[0]).all() and (plan.body[:, [0, 1, 3]] == plan.body[0, [0, 1, 3]]).all()
+            assert (plan.feet == plan.feet[0]).all() and (
+                plan.body[:, [0, 1, 3]] == plan.body[0, [0, 1, 3]]
+            ).all()
             for leg, heights in zip(machine.legs, in_body(plan)[..., 2].T, strict=True):
-                assert heights.min() >= leg.z[0] - ROUND and heights.max() <= leg.z[1] + machine.overreach[2] - GIVE + ROUND
+                assert (
+                    heights.min() >= leg.z[0] - ROUND
+                    and heights.max() <= leg.z[1] + machine.overreach[2] - GIVE + ROUND
+                )
         assert low.body[2] < stance.body[2] and low.feet == stance.feet
         assert (up[-1].end if up else low).body == pytest.approx(stance.body, abs=STILL)
 
 
 def level_stance(machine: Machine) -> tuple[Stance, Gait, TerrainMap]:
     gait, terrain = gait_of(machine), ground_of("level", machine, np.random.default_rng(1))
-    return start_stance("crab", machine, gait, 0.0, (0.0, 0.0, 0.0), terrain.height_at), gait, terrain
+    return (
+        start_stance("crab", machine, gait, 0.0, (0.0, 0.0, 0.0), terrain.height_at),
+        gait,
+        terrain,
+    )
 
 
-def raised(terrain: TerrainMap, x: tuple[float, float], y: tuple[float, float], height: float) -> TerrainMap:
+def raised(
+    terrain: TerrainMap, x: tuple[float, float], y: tuple[float, float], height: float
+) -> TerrainMap:
     heights = terrain.heights.copy()
     columns, rows = (
-        slice(*(math.floor((v - origin) / terrain.cell) for v in span)) for span, origin in zip((x, y), terrain.origin, strict=True)
+        slice(*(math.floor((v - origin) / terrain.cell) for v in span))
+        for span, origin in zip((x, y), terrain.origin, strict=True)
     )
     heights[rows, columns] = height
     return replace(terrain, heights=heights)
@@ -184,11 +258,17 @@ def test_it_does_not_sit_down_onto_a_pole_beside_its_leg() -> None:
     foot, (hip_x, hip_y) = stance.feet[0], machine.hips[0]
     x, y = (foot[0] + hip_x) / 2, (foot[1] + hip_y) / 2
     free = sit(stance, terrain, machine, gait)
-    met = sit(stance, raised(terrain, (x - 0.03, x + 0.03), (y - 0.03, y + 0.03), 0.35), machine, gait)
+    met = sit(
+        stance, raised(terrain, (x - 0.03, x + 0.03), (y - 0.03, y + 0.03), 0.35), machine, gait
+    )
     assert not isinstance(free, Blocked) and not isinstance(met, Blocked)
     assert free[-1].end.body[2] + 0.1 < met[-1].end.body[2] < stance.body[2]
-    blocked = sit(stance, raised(terrain, (x - 0.03, x + 0.03), (y - 0.03, y + 0.03), 0.44), machine, gait)
-    assert isinstance(blocked, Blocked) and "ground beside it" in blocked.reason and blocked.leg == 0
+    blocked = sit(
+        stance, raised(terrain, (x - 0.03, x + 0.03), (y - 0.03, y + 0.03), 0.44), machine, gait
+    )
+    assert (
+        isinstance(blocked, Blocked) and "ground beside it" in blocked.reason and blocked.leg == 0
+    )
 
 
 def test_with_a_foot_in_the_air_no_posture_is_taken() -> None:
@@ -203,22 +283,32 @@ def test_with_a_foot_in_the_air_no_posture_is_taken() -> None:
 def test_feet_that_stand_in_their_places_stay_there() -> None:
     machine = load_machine("titan3")
     stance, gait, terrain = level_stance(machine)
-    nudged = replace(stance, feet=((stance.feet[0][0] - 0.008, *stance.feet[0][1:]), *stance.feet[1:]), last_swing=-1)
+    nudged = replace(
+        stance,
+        feet=((stance.feet[0][0] - 0.008, *stance.feet[0][1:]), *stance.feet[1:]),
+        last_swing=-1,
+    )
     plans = in_one_go(regroup(nudged, stance, terrain, machine, gait))
     assert not isinstance(plans, Blocked)
     assert all(plan.swing == () for plan in plans) and plans[-1].end.feet == nudged.feet
     assert plans[-1].end.last_swing == stance.last_swing
-    moved = replace(stance, feet=((stance.feet[0][0] - 0.05, *stance.feet[0][1:]), *stance.feet[1:]))
+    moved = replace(
+        stance, feet=((stance.feet[0][0] - 0.05, *stance.feet[0][1:]), *stance.feet[1:])
+    )
     plans = in_one_go(regroup(moved, stance, terrain, machine, gait))
     assert not isinstance(plans, Blocked)
-    assert [plan.swing for plan in plans if plan.swing] == [(0,)] and plans[-1].end.feet == stance.feet
+    assert [plan.swing for plan in plans if plan.swing] == [(0,)] and plans[
+        -1
+    ].end.feet == stance.feet
 
 
 def test_where_nothing_may_be_stepped_on_it_says_of_which_leg() -> None:
     machine = load_machine("titan3")
     stance, gait, terrain = level_stance(machine)
     nowhere = replace(terrain, forbidden=np.ones_like(terrain.forbidden))
-    there = replace(stance, body=(5.0, *stance.body[1:]), feet=tuple((x + 5.0, y, z) for x, y, z in stance.feet))
+    there = replace(
+        stance, body=(5.0, *stance.body[1:]), feet=tuple((x + 5.0, y, z) for x, y, z in stance.feet)
+    )
     answer = in_one_go(regroup(stance, there, nowhere, machine, gait))
     assert isinstance(answer, Blocked) and answer.leg == 0 and "no foothold" in answer.reason
 

@@ -7,9 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from planner.machine import load_machine
-from planner.reflex import TICK, Gains, Playback, ReflexState, holding_plan, reflex
-from planner.vocabulary import Phase, Point, Sensing, Stance, StepPlan
+from walking_console.planner.control.foot_controller import (
+    TICK,
+    Gains,
+    ReflexState,
+    TrajectoryTracker,
+    holding_plan,
+    reflex,
+)
+from walking_console.planner.robot.model import load_machine
+from walking_console.planner.types import Phase, Point, Sensing, Stance, StepPlan
 
 TITAN = load_machine("titan3")
 HEIGHT = TITAN.height
@@ -18,12 +25,18 @@ ON = (True, True, True, True)
 FRESH = ReflexState.begin(4)
 
 
-def sensed(body: tuple[float, ...] = (0.0, 0.0, HEIGHT, 0.0, 0.0, 0.0), feet=FEET, soles=ON) -> Sensing:
+def sensed(
+    body: tuple[float, ...] = (0.0, 0.0, HEIGHT, 0.0, 0.0, 0.0), feet=FEET, soles=ON
+) -> Sensing:
     """What a machine with these feet senses; its posture is small."""
     x, y, z, roll, pitch, yaw = body
     c, d = math.cos(yaw), math.sin(yaw)
-    level = [(c * (fx - x) + d * (fy - y), c * (fy - y) - d * (fx - x), fz - z) for fx, fy, fz in feet]
-    feet_b = tuple((px - pz * pitch, py + pz * roll, pz + px * pitch - py * roll) for px, py, pz in level)
+    level = [
+        (c * (fx - x) + d * (fy - y), c * (fy - y) - d * (fx - x), fz - z) for fx, fy, fz in feet
+    ]
+    feet_b = tuple(
+        (px - pz * pitch, py + pz * roll, pz + px * pitch - py * roll) for px, py, pz in level
+    )
     return Sensing(0, (x, y, z, roll, pitch, yaw), feet_b, soles, (0,) * 4, (False,) * 4)
 
 
@@ -35,17 +48,30 @@ def swing_plan(leg: int = 0, advance: float = 0.1) -> StepPlan:
     x = FEET[leg][0]
     feet[2:, leg, 2] = 0.1, 0.1, -0.1
     feet[3:, leg, 0] = x + 0.2
-    return StepPlan((leg,), times, body, feet, (Phase.SUPPORT, Phase.UP, Phase.RETURN, Phase.DOWN), Stance((0.1, 0, HEIGHT, 0), FEET))
+    return StepPlan(
+        (leg,),
+        times,
+        body,
+        feet,
+        (Phase.SUPPORT, Phase.UP, Phase.RETURN, Phase.DOWN),
+        Stance((0.1, 0, HEIGHT, 0), FEET),
+    )
 
 
-def follow(plan: StepPlan, t: float, sensing: Sensing, gains: Gains | None = None, state: ReflexState = FRESH):
-    return reflex(Playback(plan), t, sensing, state, gains or Gains())
+def follow(
+    plan: StepPlan,
+    t: float,
+    sensing: Sensing,
+    gains: Gains | None = None,
+    state: ReflexState = FRESH,
+):
+    return reflex(TrajectoryTracker(plan), t, sensing, state, gains or Gains())
 
 
 class TestPlayback:
     def test_a_knot_is_met_exactly_however_the_ticks_fall(self):
         plan = swing_plan()
-        playback = Playback(plan)
+        playback = TrajectoryTracker(plan)
         for t, body, feet in zip(plan.times, plan.body, plan.feet, strict=True):
             assert playback.body_at(float(t)) == pytest.approx(tuple(body), abs=1e-15)
             assert playback.foot_at(0, float(t)) == pytest.approx(tuple(feet[0]), abs=1e-15)
@@ -56,48 +82,83 @@ class TestPlayback:
         feet[:2, 0, 2] = 0.1
         feet[:2, 0, 0] = FEET[0][0] + plan.body[:2, 0]
         plan = replace(plan, feet=feet)
-        out, _ = follow(plan, 0.02, sensed(feet=((FEET[0][0], FEET[0][1], 0.1), *FEET[1:]), soles=(False, True, True, True)))
-        assert out[0] == pytest.approx((0.0, 0.0, 0.0), abs=1e-9)  # it goes with the body and does not reach for the ground
+        out, _ = follow(
+            plan,
+            0.02,
+            sensed(
+                feet=((FEET[0][0], FEET[0][1], 0.1), *FEET[1:]), soles=(False, True, True, True)
+            ),
+        )
+        # it goes with the body and does not reach for the ground
+        assert out[0] == pytest.approx((0.0, 0.0, 0.0), abs=1e-9)
         assert out[1] == pytest.approx((-0.1, 0.0, 0.0), abs=1e-9)
 
     def test_time_may_run_back_as_when_a_foot_retraces_its_way(self):
-        playback = Playback(swing_plan())
-        assert [playback.phase(t) for t in (0.9, 0.6, 0.3, 0.1)] == [Phase.DOWN, Phase.RETURN, Phase.UP, Phase.SUPPORT]
+        playback = TrajectoryTracker(swing_plan())
+        assert [playback.phase(t) for t in (0.9, 0.6, 0.3, 0.1)] == [
+            Phase.DOWN,
+            Phase.RETURN,
+            Phase.UP,
+            Phase.SUPPORT,
+        ]
 
     def test_before_the_start_and_after_the_end_the_plan_stands_still(self):
-        playback = Playback(swing_plan())
+        playback = TrajectoryTracker(swing_plan())
         assert playback.body_at(-1.0) == playback.body_at(0.0)
         assert playback.body_at(9.0) == playback.body_at(1.0)
 
     def test_the_pace_of_a_stretch_is_what_its_fastest_foot_leaves_room_for(self):
-        playback = Playback(swing_plan())
-        assert playback.pace_max(0.1, TITAN) == pytest.approx(1.0 / 0.1)  # carrying feet at 0.1 of 1.0 m/s
+        playback = TrajectoryTracker(swing_plan())
+        # carrying feet at 0.1 of 1.0 m/s
+        assert playback.pace_max(0.1, TITAN) == pytest.approx(1.0 / 0.1)
         assert playback.pace_max(0.3, TITAN) == pytest.approx(0.8 / 0.8)  # up at 0.8 of 0.8 m/s
-        assert playback.pace_max(0.6, TITAN) == pytest.approx(1.0 / 0.3)  # 0.4 m/s over ground, 0.3 to the body
-        assert playback.pace_max(0.9, TITAN) == pytest.approx(0.8 / 1.6)  # down planned twice too fast
-        assert Playback(holding_plan(Stance((0, 0, HEIGHT, 0), FEET))).pace_max(0.0, TITAN) == math.inf
+        # 0.4 m/s over ground, 0.3 to the body
+        assert playback.pace_max(0.6, TITAN) == pytest.approx(1.0 / 0.3)
+        # down planned twice too fast
+        assert playback.pace_max(0.9, TITAN) == pytest.approx(0.8 / 1.6)
+        assert (
+            TrajectoryTracker(holding_plan(Stance((0, 0, HEIGHT, 0), FEET))).pace_max(0.0, TITAN)
+            == math.inf
+        )
 
     def test_a_turning_body_counts_in_the_pace(self):
         turn = StepPlan(
             (), np.array([0.0, 1.0]), np.array([[0, 0, HEIGHT, 0], [0, 0, HEIGHT, 0.5]]), np.array([FEET] * 2), (Phase.SHIFT,),
             Stance((0, 0, HEIGHT, 0.5), FEET),
         )  # fmt: skip
-        assert 1.0 / (0.5 * math.hypot(0.45, 0.475)) <= Playback(turn).pace_max(0.5, TITAN) <= 1.0 / (0.5 * 0.475)
+        assert (
+            1.0 / (0.5 * math.hypot(0.45, 0.475))
+            <= TrajectoryTracker(turn).pace_max(0.5, TITAN)
+            <= 1.0 / (0.5 * 0.475)
+        )
 
     def test_no_foot_exceeds_its_limit_when_played_at_that_pace(self):
         rng = np.random.default_rng(4)
         for _ in range(50):
             feet = np.array([FEET] * 2) + rng.uniform(-0.2, 0.2, (2, 4, 3))
-            body = np.array([[0, 0, HEIGHT, 0.0], [*rng.uniform(-0.2, 0.2, 2), HEIGHT, rng.uniform(-0.3, 0.3)]])
-            playback = Playback(StepPlan((0, 1, 2, 3), np.array([0.0, 1.0]), body, feet, (Phase.RETURN,), Stance((0, 0, 0, 0), FEET)))
+            body = np.array(
+                [[0, 0, HEIGHT, 0.0], [*rng.uniform(-0.2, 0.2, 2), HEIGHT, rng.uniform(-0.3, 0.3)]]
+            )
+            playback = TrajectoryTracker(
+                StepPlan(
+                    (0, 1, 2, 3),
+                    np.array([0.0, 1.0]),
+                    body,
+                    feet,
+                    (Phase.RETURN,),
+                    Stance((0, 0, 0, 0), FEET),
+                )
+            )
             pace, fastest = playback.pace_max(0.5, TITAN), 0.0
             for t in np.arange(0.02, 1.0, 0.02):
                 here, there = (seen(playback, float(t) + d) for d in (0.0, 1e-6))
-                fastest = max(fastest, np.max(np.abs(there - here) / 1e-6 * pace / np.array(TITAN.speed)))
+                fastest = max(
+                    fastest, np.max(np.abs(there - here) / 1e-6 * pace / np.array(TITAN.speed))
+                )
             assert 0.8 < fastest < 1.01
 
 
-def seen(playback: Playback, t: float) -> np.ndarray:
+def seen(playback: TrajectoryTracker, t: float) -> np.ndarray:
     """All feet in body axes."""
     x, y, z, yaw = playback.body_at(t)
     c, d = math.cos(yaw), math.sin(yaw)
@@ -108,7 +169,8 @@ def seen(playback: Playback, t: float) -> np.ndarray:
 class TestSupport:
     def test_all_carrying_legs_get_minus_the_body_velocity(self):
         out, _ = follow(swing_plan(), TICK, sensed())
-        assert out == [pytest.approx((-0.1, 0.0, 0.0), abs=1e-12)] * 4  # (34), (35), and table 3 in the support phase
+        # (34), (35), and table 3 in the support phase
+        assert out == [pytest.approx((-0.1, 0.0, 0.0), abs=1e-12)] * 4
 
     def test_they_get_the_very_same_numbers_so_that_they_never_pull_against_each_other(self):
         out, _ = follow(swing_plan(), 0.6, sensed((0.0575, 0.01, HEIGHT, 0, 0, 0)))
@@ -116,12 +178,21 @@ class TestSupport:
 
     def test_a_body_that_lags_is_brought_to_where_the_plan_has_it_now(self):
         out, _ = follow(swing_plan(), 0.22, sensed((0.015, -0.002, HEIGHT - 0.003, 0, 0, 0)))
-        assert out[1] == pytest.approx((-(0.022 - 0.015) / TICK, -0.002 / TICK, -0.003 / TICK), abs=1e-9)
+        assert out[1] == pytest.approx(
+            (-(0.022 - 0.015) / TICK, -0.002 / TICK, -0.003 / TICK), abs=1e-9
+        )
 
     def test_a_turn_is_one_rotation_about_the_planned_place(self):
         turn = 0.01
         body = np.array([[0, 0, HEIGHT, 0.3], [0.004, 0.002, HEIGHT, 0.3 + turn]])
-        plan = StepPlan((), np.array([0.0, TICK]), body, np.array([FEET] * 2), (Phase.SHIFT,), Stance((0, 0, 0, 0), FEET))
+        plan = StepPlan(
+            (),
+            np.array([0.0, TICK]),
+            body,
+            np.array([FEET] * 2),
+            (Phase.SHIFT,),
+            Stance((0, 0, 0, 0), FEET),
+        )
         sensing = sensed((0.0, 0.0, HEIGHT, 0, 0, 0.3))
         out, _ = follow(plan, TICK, sensing)
         after = sensed((0.004, 0.002, HEIGHT, 0, 0, 0.3 + turn)).feet_b
@@ -129,7 +200,9 @@ class TestSupport:
             assert (x + vx * TICK, y + vy * TICK, z + vz * TICK) == pytest.approx(there, abs=1e-12)
 
     def test_the_height_is_that_of_the_mean_foot(self):
-        feet = tuple((x, y, dz) for (x, y, _), dz in zip(FEET, (0.02, -0.01, 0.0, 0.01), strict=True))
+        feet = tuple(
+            (x, y, dz) for (x, y, _), dz in zip(FEET, (0.02, -0.01, 0.0, 0.01), strict=True)
+        )
         out, _ = follow(holding_plan(Stance((0, 0, HEIGHT, 0), FEET)), TICK, sensed(feet=feet))
         assert [v[2] for v in out] == pytest.approx([-0.005 / TICK] * 4)  # (37): z* - mean z
 
@@ -141,15 +214,27 @@ class TestSupport:
         assert tilt_after(Gains(posture=-0.2), 0.01, 0.0, 10) > 0.04
 
     def test_nose_down_extends_the_front_legs(self):
-        out, _ = follow(holding_plan(Stance((0, 0, HEIGHT, 0), FEET)), TICK, sensed((0, 0, HEIGHT, 0.0, 0.02, 0.0)))
+        out, _ = follow(
+            holding_plan(Stance((0, 0, HEIGHT, 0), FEET)),
+            TICK,
+            sensed((0, 0, HEIGHT, 0.0, 0.02, 0.0)),
+        )
         assert out[0][2] < 0 < out[1][2]
 
     def test_left_side_up_extends_the_right_legs(self):
-        out, _ = follow(holding_plan(Stance((0, 0, HEIGHT, 0), FEET)), TICK, sensed((0, 0, HEIGHT, 0.02, 0.0, 0.0)))
+        out, _ = follow(
+            holding_plan(Stance((0, 0, HEIGHT, 0), FEET)),
+            TICK,
+            sensed((0, 0, HEIGHT, 0.02, 0.0, 0.0)),
+        )
         assert out[0][2] > 0 > out[3][2]
 
     def test_a_carrying_leg_whose_sole_is_off_reaches_down_and_the_others_do_not(self):
-        out, _ = follow(holding_plan(Stance((0, 0, HEIGHT, 0), FEET)), TICK, sensed(soles=(True, True, False, True)))
+        out, _ = follow(
+            holding_plan(Stance((0, 0, HEIGHT, 0), FEET)),
+            TICK,
+            sensed(soles=(True, True, False, True)),
+        )
         assert out[2][2] == pytest.approx(-Gains().pliancy / TICK)
         assert [out[leg][2] for leg in (0, 1, 3)] == pytest.approx([0.0] * 3, abs=1e-12)
 
@@ -160,8 +245,11 @@ def tilt_after(gains: Gains, roll: float, pitch: float, ticks: int) -> float:
     for _ in range(ticks):
         sensing = sensed((0, 0, HEIGHT, roll, pitch, 0))
         out, _ = follow(plan, TICK, sensing, gains)
-        reached = np.array([(x, y, z + v[2] * TICK) for (x, y, z), v in zip(sensing.feet_b, out, strict=True)])
-        slope = np.linalg.lstsq(np.c_[reached[:, :2], np.ones(4)], reached[:, 2], rcond=None)[0]  # of the ground in body axes
+        reached = np.array(
+            [(x, y, z + v[2] * TICK) for (x, y, z), v in zip(sensing.feet_b, out, strict=True)]
+        )
+        # of the ground in body axes
+        slope = np.linalg.lstsq(np.c_[reached[:, :2], np.ones(4)], reached[:, 2], rcond=None)[0]
         pitch, roll = math.atan(slope[0]), -math.atan(slope[1])
     return math.hypot(roll, pitch)
 
@@ -169,7 +257,7 @@ def tilt_after(gains: Gains, roll: float, pitch: float, ticks: int) -> float:
 class TestSwing:
     def test_up_and_down_are_vertical_over_the_ground(self):
         for t in (0.3, 0.98):
-            playback = Playback(swing_plan())
+            playback = TrajectoryTracker(swing_plan())
             body = (*playback.body_at(t - TICK)[:3], 0.0, 0.0, 0.0)
             feet = (playback.foot_at(0, t - TICK), *FEET[1:])
             out, _ = follow(swing_plan(), t, sensed(body, feet, (False, True, True, True)))
@@ -177,21 +265,25 @@ class TestSwing:
             assert out[0][2] == pytest.approx(0.8 if t < 0.5 else -1.6)
 
     def test_a_swing_foot_is_aimed_right_from_a_body_that_is_not_level(self):
-        feet = (Playback(swing_plan()).foot_at(0, 0.58), *FEET[1:])
+        feet = (TrajectoryTracker(swing_plan()).foot_at(0, 0.58), *FEET[1:])
         level, _ = follow(swing_plan(), 0.6, sensed((0.058, 0, HEIGHT, 0, 0, 0), feet))
         tilted, _ = follow(swing_plan(), 0.6, sensed((0.058, 0, HEIGHT, 0.01, -0.02, 0), feet))
         assert tilted[0] == pytest.approx(level[0], abs=0.01)
 
     def test_a_foot_that_touches_on_its_way_down_stops_and_carries_with_the_others(self):
         landed = (FEET[0][0] + 0.2, FEET[0][1], 0.03)
-        out, state = follow(swing_plan(), 0.92, sensed((0.09, 0, HEIGHT, 0, 0, 0), (landed, *FEET[1:])))
+        out, state = follow(
+            swing_plan(), 0.92, sensed((0.09, 0, HEIGHT, 0, 0, 0), (landed, *FEET[1:]))
+        )
         assert state.landed == (True, False, False, False)
         assert out[0] == out[1] == pytest.approx((-0.1, 0.0, 0.0), abs=1e-9)
 
     def test_it_stays_landed_though_its_sole_goes_off_and_reaches_for_the_ground(self):
         landed = (FEET[0][0] + 0.2, FEET[0][1], 0.03)
         sensing = sensed((0.09, 0, HEIGHT, 0, 0, 0), (landed, *FEET[1:]), (False, True, True, True))
-        out, state = follow(swing_plan(), 0.92, sensing, state=FRESH._replace(landed=(True, False, False, False)))
+        out, state = follow(
+            swing_plan(), 0.92, sensing, state=FRESH._replace(landed=(True, False, False, False))
+        )
         assert state.landed[0]
         assert out[0][:2] == out[1][:2]
         assert not state.next_step().landed[0]
@@ -216,7 +308,7 @@ class TestServoLag:
             (), np.array([0.0, 8.0]), np.array([[0, 0, HEIGHT, 0], [0.4, 0, HEIGHT, 0]]), np.array([FEET] * 2), (Phase.SHIFT,),
             Stance((0, 0, 0, 0), FEET),
         )  # fmt: skip
-        playback, state, x, out = Playback(plan), FRESH, 0.0, []
+        playback, state, x, out = TrajectoryTracker(plan), FRESH, 0.0, []
         for k in range(1, ticks + 1):
             out, state = reflex(playback, k * TICK, sensed((x, 0, HEIGHT, 0, 0, 0)), state, gains)
             x -= out[0][0] * TICK * share
@@ -230,7 +322,7 @@ class TestServoLag:
 
     def test_a_stuck_servo_does_not_wind_the_integral_up(self):
         gains = Gains(integral=0.2, windup=0.01)
-        state, playback = FRESH, Playback(swing_plan())
+        state, playback = FRESH, TrajectoryTracker(swing_plan())
         for _ in range(500):
             out, state = reflex(playback, 0.2, sensed((-0.05, 0, HEIGHT, 0, 0, 0)), state, gains)
         asked = -out[1][0] * TICK
@@ -238,6 +330,17 @@ class TestServoLag:
 
 
 def test_a_tick_of_four_legs_takes_no_time_worth_mentioning():
-    playback, sensing, gains = Playback(swing_plan()), sensed((0.058, 0, HEIGHT, 0, 0, 0)), Gains()
-    seconds = min(timeit.repeat(lambda: reflex(playback, 0.6, sensing, FRESH, gains), number=500, repeat=5)) / 500
+    playback, sensing, gains = (
+        TrajectoryTracker(swing_plan()),
+        sensed((0.058, 0, HEIGHT, 0, 0, 0)),
+        Gains(),
+    )
+    seconds = (
+        min(
+            timeit.repeat(
+                lambda: reflex(playback, 0.6, sensing, FRESH, gains), number=500, repeat=5
+            )
+        )
+        / 500
+    )
     assert seconds < 60e-6  # 15 µs on a quiet machine

@@ -5,7 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from planner.support import energy_margin, longitudinal_margin, polygon_margin, stable_interval, support_polygon
+from walking_console.planner.stability import (
+    energy_margin,
+    longitudinal_margin,
+    polygon_margin,
+    stable_interval,
+    support_polygon,
+)
 
 SQUARE = [(-0.5, -0.5, 0.0), (0.5, -0.5, 0.0), (0.5, 0.5, 0.0), (-0.5, 0.5, 0.0)]
 
@@ -15,7 +21,10 @@ def test_the_polygon_runs_counter_clockwise_whatever_the_order_of_the_feet():
     for _ in range(200):
         points = [tuple(p) for p in rng.uniform(-1, 1, (int(rng.integers(3, 9)), 2))]
         polygon = support_polygon(points)
-        area = sum(a[0] * b[1] - b[0] * a[1] for a, b in zip(polygon, polygon[1:] + polygon[:1], strict=True))
+        area = sum(
+            a[0] * b[1] - b[0] * a[1]
+            for a, b in zip(polygon, polygon[1:] + polygon[:1], strict=True)
+        )
         assert area > 0.0
         assert all(polygon_margin(polygon, *p) >= -1e-12 for p in points)
 

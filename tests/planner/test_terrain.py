@@ -5,14 +5,16 @@ import math
 import numpy as np
 import pytest
 
-from planner.machine import load_machine
-from planner.terrain import TerrainMap, classify, kinds
+from walking_console.planner.robot.model import load_machine
+from walking_console.planner.terrain.map import TerrainMap, classify, kinds
 
 MACHINE = load_machine("titan3")
 
 
 def level(rows=40, columns=60, cell=0.05, origin=(-1.0, -0.5)):
-    return TerrainMap(np.zeros((rows, columns)), np.zeros((rows, columns), dtype=bool), cell, origin)
+    return TerrainMap(
+        np.zeros((rows, columns)), np.zeros((rows, columns), dtype=bool), cell, origin
+    )
 
 
 def test_rows_are_y_and_columns_are_x():
@@ -53,11 +55,14 @@ def test_level_ground_is_walkable_and_a_hole_is_not_nor_its_rim_within_the_sole(
     heights = np.zeros((40, 40))
     heights[20, 20] = np.nan
     forbidden = classify(heights, 0.025, MACHINE)
-    assert forbidden[20, 20] and forbidden[19, 20] and forbidden[20, 21]  # sole radius 0.03 m reaches one cell on
+    # sole radius 0.03 m reaches one cell on
+    assert forbidden[20, 20] and forbidden[19, 20] and forbidden[20, 21]
     assert not forbidden[18, 20] and not forbidden[0, 0]
 
 
-@pytest.mark.parametrize(("degrees", "walkable"), [(0, True), (15, True), (25, True), (37, False), (60, False)])
+@pytest.mark.parametrize(
+    ("degrees", "walkable"), [(0, True), (15, True), (25, True), (37, False), (60, False)]
+)
 def test_slopes_over_35_degrees_are_holes(degrees, walkable):
     x = (np.arange(80) + 0.5) * 0.025
     heights = np.tile(x * math.tan(math.radians(degrees)), (80, 1))
@@ -83,7 +88,9 @@ def test_a_pole_too_tall_to_step_on_is_forbidden():
 def hillside(degrees, heading, cell=0.025):
     x, y = (np.arange(60) + 0.5) * cell, (np.arange(50) + 0.5) * cell
     steep = math.tan(math.radians(degrees))
-    return steep * (math.cos(math.radians(heading)) * x[None, :] + math.sin(math.radians(heading)) * y[:, None])
+    return steep * (
+        math.cos(math.radians(heading)) * x[None, :] + math.sin(math.radians(heading)) * y[:, None]
+    )
 
 
 @pytest.mark.parametrize("heading", [0, 30, 45, 90, 135, 250])

@@ -1,4 +1,6 @@
-"""A small world for every test: flat ground, a clock whose beats and whose time the test makes, the app in process."""
+"""A small world for every test: flat ground, a clock whose beats and whose time the test makes, the
+app in process.
+"""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -7,10 +9,10 @@ import pytest
 from fastapi.testclient import TestClient
 from stopwatch import Watch
 
-from server.app import Settings, create_app
-from server.clock import WalkingClock
-from server.console import Console, World, prepare
-from sim.scenarios import load_scenario
+from walking_console.server.api.app import Settings, create_app
+from walking_console.server.realtime_loop import WalkingClock
+from walking_console.sim.scenario import load_scenario
+from walking_console.sim.simulation import Simulation, World, prepare
 
 HERE = "http://127.0.0.1:8000"
 
@@ -28,7 +30,7 @@ def watch() -> Watch:
 @pytest.fixture
 def clock(flat: World, watch: Watch) -> WalkingClock:
     """Not started: each ``beat`` is the test's."""
-    return WalkingClock(Console(flat), watch)
+    return WalkingClock(Simulation(flat), watch)
 
 
 @pytest.fixture

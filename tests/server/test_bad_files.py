@@ -1,4 +1,6 @@
-"""Files that are broken, changed or impossible end in one clear line and exit status 2, never in a traceback."""
+"""Files that are broken, changed or impossible end in one clear line and exit status 2, never in a
+traceback.
+"""
 
 from __future__ import annotations
 
@@ -11,8 +13,8 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from server.__main__ import app
-from server.runs import toml
+from walking_console.server.cli import app
+from walking_console.server.run_jobs import toml
 
 
 def called(*arguments):
@@ -29,7 +31,12 @@ def is_refused(result) -> str:
 @pytest.fixture(scope="module")
 def good_run(tmp_path_factory):
     out = tmp_path_factory.mktemp("runs") / "good"
-    assert called("run", "flat", "--out", out, "--set", "end={time=2.0}", "--set", "expect={}").exit_code == 0
+    assert (
+        called(
+            "run", "flat", "--out", out, "--set", "end={time=2.0}", "--set", "expect={}"
+        ).exit_code
+        == 0
+    )
     return out
 
 
@@ -61,13 +68,18 @@ def test_a_changed_summary_is_refused_by_replay(run, change):
 def test_a_run_whose_scenario_was_emptied_is_refused_by_figure(run, tmp_path):
     pytest.importorskip("matplotlib")
     summary = json.loads((run / "run.json").read_text())
-    (run / "run.json").write_text(json.dumps({**summary, "scenario": {"terrain": {"kind": "wave"}}}))
+    (run / "run.json").write_text(
+        json.dumps({**summary, "scenario": {"terrain": {"kind": "wave"}}})
+    )
     is_refused(called("figure", "fig12", "--run", run, "--out", tmp_path / "drawn.svg"))
     (run / "run.json").write_text(json.dumps({**summary, "scenario": {}}))
     is_refused(called("figure", "fig12", "--run", run, "--out", tmp_path / "drawn.svg"))
 
 
-@pytest.mark.parametrize(("name", "array"), [("feet", None), ("t", [0.0]), ("body", "text"), ("mode", "nan"), ("t", "nan")])
+@pytest.mark.parametrize(
+    ("name", "array"),
+    [("feet", None), ("t", [0.0]), ("body", "text"), ("mode", "nan"), ("t", "nan")],
+)
 @pytest.mark.parametrize("form", ["csv", "mcap"])
 def test_a_changed_log_is_refused_by_export(run, name, array, form):
     if form == "mcap":
@@ -108,7 +120,17 @@ def test_an_export_is_written_where_it_was_asked_for(run, tmp_path):
     ],
 )  # fmt: skip
 def test_settings_that_once_ended_in_a_traceback_are_refused(setting, tmp_path):
-    is_refused(called("run", "flat", "--out", tmp_path / "out", "--set", setting, *(["--set", BROKEN_TRACE] if "trace" in setting else [])))
+    is_refused(
+        called(
+            "run",
+            "flat",
+            "--out",
+            tmp_path / "out",
+            "--set",
+            setting,
+            *(["--set", BROKEN_TRACE] if "trace" in setting else []),
+        )
+    )
 
 
 BROKEN_TRACE = 'trace={kind="waypoints", waypoints=[[0.0, 0.0], [0.0, 0.0]]}'
@@ -119,7 +141,18 @@ def test_a_directory_no_system_could_make_is_refused(tmp_path):
 
 
 def test_a_run_without_any_command_completes(tmp_path):
-    result = called("run", "flat", "--out", tmp_path / "out", "--set", "drive=[]", "--set", "end={time=0.1}", "--set", "expect={}")
+    result = called(
+        "run",
+        "flat",
+        "--out",
+        tmp_path / "out",
+        "--set",
+        "drive=[]",
+        "--set",
+        "end={time=0.1}",
+        "--set",
+        "expect={}",
+    )
     assert result.exit_code == 0, result.output
 
 
@@ -131,14 +164,26 @@ def test_a_run_without_any_command_completes(tmp_path):
     ],
 )  # fmt: skip
 def test_an_impossible_robot_file_is_refused(change, tmp_path):
-    robot = tomllib.loads((resources.files("planner") / "machines" / "titan3.toml").read_text("utf-8"))
+    robot = tomllib.loads(
+        (
+            resources.files("walking_console.planner.robot") / "descriptions" / "titan3.toml"
+        ).read_text("utf-8")
+    )
     text = toml({**robot, **{key: value for key, value in change.items() if key != "mass"}})
     if "mass" in change:
         text = text.replace(f"mass = {robot['mass']}", "mass = 0x1" + "0" * 5000)
     (tmp_path / "robot.toml").write_text(text)
-    is_refused(called("run", "flat", "--out", tmp_path / "out", "--set", f'robot="{tmp_path / "robot.toml"}"'))
+    is_refused(
+        called(
+            "run", "flat", "--out", tmp_path / "out", "--set", f'robot="{tmp_path / "robot.toml"}"'
+        )
+    )
 
 
 def test_a_robot_file_that_is_no_toml_is_refused(tmp_path):
     (tmp_path / "robot.toml").write_text("a = " + "[" * 5000)
-    is_refused(called("run", "flat", "--out", tmp_path / "out", "--set", f'robot="{tmp_path / "robot.toml"}"'))
+    is_refused(
+        called(
+            "run", "flat", "--out", tmp_path / "out", "--set", f'robot="{tmp_path / "robot.toml"}"'
+        )
+    )

@@ -14,9 +14,18 @@ from fastapi.testclient import TestClient
 from starlette.testclient import WebSocketDenialResponse
 from starlette.websockets import WebSocketDisconnect
 
-from server.app import Settings, create_app
-from server.canvas import FRAME_MAX, MESSAGE_BURST, SUBPROTOCOL, Canvas, clean_query, client_page, passed, viser_without_socket
-from server.clock import WalkingClock
+from walking_console.server.api.app import Settings, create_app
+from walking_console.server.realtime_loop import WalkingClock
+from walking_console.server.viser_bridge import (
+    FRAME_MAX,
+    MESSAGE_BURST,
+    SUBPROTOCOL,
+    Canvas,
+    clean_query,
+    client_page,
+    passed,
+    viser_without_socket,
+)
 
 HERE = "http://127.0.0.1:8000"
 OWN = {"origin": HERE}
@@ -54,12 +63,22 @@ def viewing(clock: WalkingClock, canvas: Canvas, tmp_path: Path) -> Iterator[Tes
 # the contract with viser
 
 
-def test_viser_starts_without_a_socket_and_leaves_the_library_as_it_was(capsys: pytest.CaptureFixture[str]) -> None:
+def test_viser_starts_without_a_socket_and_leaves_the_library_as_it_was(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     opener = websockets.asyncio.server.serve
-    before = {(c.laddr, c.status) for c in psutil.Process().net_connections() if c.status == psutil.CONN_LISTEN}
+    before = {
+        (c.laddr, c.status)
+        for c in psutil.Process().net_connections()
+        if c.status == psutil.CONN_LISTEN
+    }
     server, handler = viser_without_socket()
     try:
-        after = {(c.laddr, c.status) for c in psutil.Process().net_connections() if c.status == psutil.CONN_LISTEN}
+        after = {
+            (c.laddr, c.status)
+            for c in psutil.Process().net_connections()
+            if c.status == psutil.CONN_LISTEN
+        }
         assert after == before
         assert websockets.asyncio.server.serve is opener
         assert asyncio.iscoroutinefunction(handler)
@@ -70,7 +89,9 @@ def test_viser_starts_without_a_socket_and_leaves_the_library_as_it_was(capsys: 
 
 def test_the_client_is_the_one_file_we_know_and_takes_our_nonce(canvas: Canvas) -> None:
     assert viser.__version__.startswith("1.1.")
-    assert canvas.nonced, "the loader of viser's client has changed: read it again, then change LOADER_MARK"
+    assert canvas.nonced, (
+        "the loader of viser's client has changed: read it again, then change LOADER_MARK"
+    )
     page = canvas.page.decode()
     assert len(page) > len(client_page())
     scripts = re.findall(r"<script[^>]{0,200}", page)
@@ -82,11 +103,15 @@ def test_the_client_decides_by_focus_whether_to_reconnect() -> None:
     assert "document.hasFocus()" in source.read_text("utf-8"), "the injected script leans on this"
 
 
-def test_the_stream_carries_viser_s_frames_down_and_a_camera_up(viewing: TestClient, canvas: Canvas) -> None:
+def test_the_stream_carries_viser_s_frames_down_and_a_camera_up(
+    viewing: TestClient, canvas: Canvas
+) -> None:
     canvas.server.scene.add_frame("/here")
     joined: list[int] = []
     canvas.server.on_client_connect(lambda client: joined.append(client.client_id))
-    with viewing.websocket_connect(f"{AT}/view", subprotocols=[SUBPROTOCOL], headers=dict(OWN)) as socket:
+    with viewing.websocket_connect(
+        f"{AT}/view", subprotocols=[SUBPROTOCOL], headers=dict(OWN)
+    ) as socket:
         assert socket.accepted_subprotocol == SUBPROTOCOL
         frame = socket.receive_bytes()
         assert int.from_bytes(frame[:8], "little") > 0 and canvas.clients == 1
@@ -102,7 +127,9 @@ def test_the_stream_carries_viser_s_frames_down_and_a_camera_up(viewing: TestCli
 
 def test_a_closed_page_leaves_nothing_behind(viewing: TestClient, canvas: Canvas) -> None:
     for _ in range(5):
-        with viewing.websocket_connect(f"{AT}/view/", subprotocols=[SUBPROTOCOL], headers=dict(OWN)) as socket:
+        with viewing.websocket_connect(
+            f"{AT}/view/", subprotocols=[SUBPROTOCOL], headers=dict(OWN)
+        ) as socket:
             socket.receive_bytes()
     assert canvas.clients == 0
     loop, left = canvas.server.get_event_loop(), canvas.server._websock_server._client_state_from_id
@@ -117,7 +144,9 @@ def test_a_closed_page_leaves_nothing_behind(viewing: TestClient, canvas: Canvas
 @pytest.mark.parametrize("protocols", [[], ["viser-v0.0.1"], ["chat"]])
 def test_another_protocol_is_refused(viewing: TestClient, protocols: list[str]) -> None:
     with pytest.raises(WebSocketDenialResponse) as caught:
-        viewing.websocket_connect(f"{AT}/view", subprotocols=protocols, headers=dict(OWN)).__enter__()
+        viewing.websocket_connect(
+            f"{AT}/view", subprotocols=protocols, headers=dict(OWN)
+        ).__enter__()
     assert caught.value.status_code == 400
 
 
@@ -159,16 +188,23 @@ def test_what_no_viewer_says_does_not(message: object) -> None:
     assert not passed(PACK(message))
 
 
-@pytest.mark.parametrize("frame", [b"", b"\xc1", b"\x91" * 20_000, b"\x91" * 10_000, b"\xff" * 100, b"x" * (FRAME_MAX + 1)])
+@pytest.mark.parametrize(
+    "frame",
+    [b"", b"\xc1", b"\x91" * 20_000, b"\x91" * 10_000, b"\xff" * 100, b"x" * (FRAME_MAX + 1)],
+)
 def test_what_is_no_message_does_not(frame: bytes) -> None:
     assert not passed(frame)
 
 
-def test_a_share_request_never_reaches_viser(viewing: TestClient, canvas: Canvas, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_share_request_never_reaches_viser(
+    viewing: TestClient, canvas: Canvas, monkeypatch: pytest.MonkeyPatch
+) -> None:
     asked: list[object] = []
     monkeypatch.setattr(canvas.server, "request_share_url", lambda: asked.append(1))
     before = canvas.dropped
-    with viewing.websocket_connect(f"{AT}/view", subprotocols=[SUBPROTOCOL], headers=dict(OWN)) as socket:
+    with viewing.websocket_connect(
+        f"{AT}/view", subprotocols=[SUBPROTOCOL], headers=dict(OWN)
+    ) as socket:
         socket.send_bytes(PACK({"type": "ShareUrlRequest"}))
         socket.send_bytes(PACK(CAMERA))
         socket.receive_bytes()
@@ -177,7 +213,9 @@ def test_a_share_request_never_reaches_viser(viewing: TestClient, canvas: Canvas
 
 @pytest.mark.parametrize("flood", [True, False])
 def test_a_flood_and_a_text_frame_close_the_canvas(viewing: TestClient, flood: bool) -> None:
-    with viewing.websocket_connect(f"{AT}/view", subprotocols=[SUBPROTOCOL], headers=dict(OWN)) as socket:
+    with viewing.websocket_connect(
+        f"{AT}/view", subprotocols=[SUBPROTOCOL], headers=dict(OWN)
+    ) as socket:
         if flood:
             for _ in range(int(MESSAGE_BURST * 2)):
                 socket.send_bytes(b"\xc1")
@@ -190,11 +228,17 @@ def test_a_flood_and_a_text_frame_close_the_canvas(viewing: TestClient, flood: b
 
 
 @pytest.mark.parametrize("path", ["/view", "/view/"])
-def test_the_page_is_served_under_a_policy_without_eval(viewing: TestClient, canvas: Canvas, path: str) -> None:
+def test_the_page_is_served_under_a_policy_without_eval(
+    viewing: TestClient, canvas: Canvas, path: str
+) -> None:
     response = viewing.get(path)
     assert response.content == canvas.page
     policy = response.headers["content-security-policy"]
-    assert "'unsafe-eval'" not in policy and "frame-ancestors 'self'" in policy and "default-src 'none'" in policy
+    assert (
+        "'unsafe-eval'" not in policy
+        and "frame-ancestors 'self'" in policy
+        and "default-src 'none'" in policy
+    )
     assert "script-src 'self' blob: 'wasm-unsafe-eval' 'nonce-" in policy
     assert viewing.get(path, headers={"if-none-match": response.headers["etag"]}).status_code == 304
 
@@ -210,7 +254,9 @@ def test_the_page_is_served_under_a_policy_without_eval(viewing: TestClient, can
         ("anything=1", ""),
     ],
 )
-def test_query_keys_that_could_run_a_foreign_script_are_taken_away(query: str, cleaned: str | None) -> None:
+def test_query_keys_that_could_run_a_foreign_script_are_taken_away(
+    query: str, cleaned: str | None
+) -> None:
     assert clean_query(query) == cleaned
 
 

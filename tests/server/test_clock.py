@@ -6,10 +6,10 @@ from collections.abc import Iterator
 import pytest
 from stopwatch import Watch
 
-from planner.vocabulary import Command
-from server.clock import ADVANCE_PER_BEAT, Drawing, WalkingClock
-from server.console import Console, World
-from sim.snapshot import Snapshot
+from walking_console.planner.types import Command
+from walking_console.server.realtime_loop import ADVANCE_PER_BEAT, Drawing, WalkingClock
+from walking_console.sim.simulation import Simulation, World
+from walking_console.sim.snapshot import Snapshot
 
 AHEAD = Command(0.0, 0.08, 0.0)
 
@@ -37,7 +37,9 @@ def test_the_newest_order_wins(clock: WalkingClock) -> None:
 
 
 @pytest.mark.parametrize("rate", [1, 4, 8])
-def test_an_order_lapses_after_its_wall_time_at_every_rate(clock: WalkingClock, watch: Watch, rate: int) -> None:
+def test_an_order_lapses_after_its_wall_time_at_every_rate(
+    clock: WalkingClock, watch: Watch, rate: int
+) -> None:
     clock.set_rate(rate)
     clock.order(AHEAD, 0.5)
     for _ in range(25):
@@ -48,7 +50,9 @@ def test_an_order_lapses_after_its_wall_time_at_every_rate(clock: WalkingClock, 
     assert clock.newest.command.holds
 
 
-def test_an_order_lapses_although_the_whole_process_stood_still(clock: WalkingClock, watch: Watch) -> None:
+def test_an_order_lapses_although_the_whole_process_stood_still(
+    clock: WalkingClock, watch: Watch
+) -> None:
     clock.order(AHEAD, 0.5)
     clock.beat()
     watch.wait(3.0)
@@ -56,7 +60,9 @@ def test_an_order_lapses_although_the_whole_process_stood_still(clock: WalkingCl
     assert clock.newest.command.holds
 
 
-def test_a_lower_rate_does_not_lengthen_an_order_that_was_counted_at_a_higher_one(clock: WalkingClock) -> None:
+def test_a_lower_rate_does_not_lengthen_an_order_that_was_counted_at_a_higher_one(
+    clock: WalkingClock,
+) -> None:
     clock.set_rate(8)
     clock.order(AHEAD, 0.5)
     clock.beat()
@@ -65,7 +71,9 @@ def test_a_lower_rate_does_not_lengthen_an_order_that_was_counted_at_a_higher_on
     assert clock.newest.command.holds
 
 
-def test_a_paused_world_stands_still_and_advances_by_exactly_what_is_asked(clock: WalkingClock) -> None:
+def test_a_paused_world_stands_still_and_advances_by_exactly_what_is_asked(
+    clock: WalkingClock,
+) -> None:
     clock.pause()
     clock.beat()
     before = clock.newest.tick
@@ -95,7 +103,7 @@ def test_what_remains_of_an_advance_is_dropped_on_resume(clock: WalkingClock) ->
     assert clock.owed == 0 and clock.newest.tick == 1
 
 
-class Broken(Console):
+class Broken(Simulation):
     """A console with a planner that fails once."""
 
     failing = True
@@ -106,7 +114,9 @@ class Broken(Console):
         super().tick()
 
 
-def test_a_tick_that_fails_is_held_and_said_until_a_reset(flat: World, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_tick_that_fails_is_held_and_said_until_a_reset(
+    flat: World, capsys: pytest.CaptureFixture[str]
+) -> None:
     console = Broken(flat)
     clock = WalkingClock(console)
     clock.beat()
@@ -120,7 +130,9 @@ def test_a_tick_that_fails_is_held_and_said_until_a_reset(flat: World, capsys: p
     assert clock.fault == "" and clock.newest.tick == 1
 
 
-def test_the_picture_grows_old_only_while_newer_ones_are_out(clock: WalkingClock, watch: Watch) -> None:
+def test_the_picture_grows_old_only_while_newer_ones_are_out(
+    clock: WalkingClock, watch: Watch
+) -> None:
     clock.beat()
     seen = clock.newest.tick
     watch.wait(5.0)
@@ -131,7 +143,9 @@ def test_the_picture_grows_old_only_while_newer_ones_are_out(clock: WalkingClock
     assert clock.age_of(seen + 2) is None, "nobody can have seen this yet"
 
 
-def test_a_tick_from_before_the_remembered_past_is_as_old_as_can_be(clock: WalkingClock, watch: Watch) -> None:
+def test_a_tick_from_before_the_remembered_past_is_as_old_as_can_be(
+    clock: WalkingClock, watch: Watch
+) -> None:
     for _ in range(400):
         clock.beat()
         watch.wait(0.02)
@@ -148,7 +162,7 @@ def test_after_the_end_has_begun_no_order_moves_anything(clock: WalkingClock) ->
 
 @pytest.fixture
 def walking(flat: World) -> Iterator[WalkingClock]:
-    clock = WalkingClock(Console(flat))
+    clock = WalkingClock(Simulation(flat))
     yield clock
     clock.stop()
 
@@ -167,7 +181,7 @@ def test_its_own_thread_walks_and_tells_of_every_snapshot(walking: WalkingClock)
 def test_a_late_beat_is_skipped_and_said_not_caught_up(flat: World) -> None:
     released, entered = threading.Event(), threading.Event()
 
-    class Slow(Console):
+    class Slow(Simulation):
         def tick(self) -> None:
             super().tick()
             if self.tick_count == 3:
@@ -188,7 +202,9 @@ def test_a_late_beat_is_skipped_and_said_not_caught_up(flat: World) -> None:
     assert clock.newest.tick < clock.beats + 2
 
 
-def test_drawing_takes_the_newest_and_survives_a_failing_scene(clock: WalkingClock, capsys: pytest.CaptureFixture[str]) -> None:
+def test_drawing_takes_the_newest_and_survives_a_failing_scene(
+    clock: WalkingClock, capsys: pytest.CaptureFixture[str]
+) -> None:
     drawn: list[int] = []
 
     def draw(snapshot: Snapshot) -> None:

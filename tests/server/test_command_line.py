@@ -1,4 +1,6 @@
-"""The command line keeps the outside contract: exit codes, one clear line for bad input, run directories, replays."""
+"""The command line keeps the outside contract: exit codes, one clear line for bad input, run
+directories, replays.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from server.__main__ import app
+from walking_console.server.cli import app
 
 SHORT = ("--set", "end={time=4.0}", "--set", "expect={}")
 
@@ -41,7 +43,11 @@ def test_a_run_writes_the_whole_run_directory(run_directory):
             "t": (200,), "body": (200, 6), "feet": (200, 4, 3), "contact": (200, 4), "support": (200, 4), "margin": (200,),
             "polygon_margin": (200,), "command": (200, 3), "step": (200,), "mode": (200,), "hash": (200,),
         }  # fmt: skip
-        assert log["contact"].dtype == bool and log["step"].dtype == np.int32 and log["mode"].dtype == np.int8
+        assert (
+            log["contact"].dtype == bool
+            and log["step"].dtype == np.int32
+            and log["mode"].dtype == np.int8
+        )
 
 
 def test_anybody_can_compute_the_state_hash_from_the_log(run_directory):
@@ -49,9 +55,16 @@ def test_anybody_can_compute_the_state_hash_from_the_log(run_directory):
     previous = bytes(8)
     with np.load(run_directory / "ticks.npz", allow_pickle=False) as log:
         for row in range(len(log["t"])):
-            floats = np.concatenate([log["body"][row], log["feet"][row].ravel(), log["command"][row]]) + 0.0
-            flags = np.concatenate([log["contact"][row], log["support"][row], [log["mode"][row]]]).astype(np.uint8)
-            previous = blake2b(previous + floats.astype("<f8").tobytes() + flags.tobytes(), digest_size=8).digest()
+            floats = (
+                np.concatenate([log["body"][row], log["feet"][row].ravel(), log["command"][row]])
+                + 0.0
+            )
+            flags = np.concatenate(
+                [log["contact"][row], log["support"][row], [log["mode"][row]]]
+            ).astype(np.uint8)
+            previous = blake2b(
+                previous + floats.astype("<f8").tobytes() + flags.tobytes(), digest_size=8
+            ).digest()
             assert int.from_bytes(previous, "little") == int(log["hash"][row])
     assert summary["state_hash"] == f"{int.from_bytes(previous, 'little'):016x}"
 
@@ -59,9 +72,15 @@ def test_anybody_can_compute_the_state_hash_from_the_log(run_directory):
 @pytest.mark.parametrize(
     ("drive", "said"),
     [
-        ('[{t=0.0, posture="sit", speed=0.1}]', "drive.0: posture = \"sit\" needs speed = 0"),
-        ('[{t=0.0, posture="stand", turn_rate_deg_s=1.0}]', "drive.0: posture = \"stand\" needs speed = 0"),
-        ('[{t=0.0, posture="lie"}]', "drive.0.posture should be 'sit', 'stand' or 'standard', got 'lie'"),
+        ('[{t=0.0, posture="sit", speed=0.1}]', 'drive.0: posture = "sit" needs speed = 0'),
+        (
+            '[{t=0.0, posture="stand", turn_rate_deg_s=1.0}]',
+            'drive.0: posture = "stand" needs speed = 0',
+        ),
+        (
+            '[{t=0.0, posture="lie"}]',
+            "drive.0.posture should be 'sit', 'stand' or 'standard', got 'lie'",
+        ),
         ("[{t=0.0, posture=1}]", "drive.0.posture should be 'sit', 'stand' or 'standard', got 1"),
     ],
 )
@@ -81,7 +100,11 @@ def test_a_recorded_posture_that_is_none_is_refused_by_its_line(run_directory, t
         (tmp_path / name).write_bytes((run_directory / name).read_bytes())
     (tmp_path / "inputs.jsonl").write_text('{"tick": 0, "input": "pose", "posture": "lie"}\n')
     result = called("replay", tmp_path)
-    assert result.exit_code == 2 and "line 1" in result.stderr and "there are: sit, stand, standard" in result.stderr
+    assert (
+        result.exit_code == 2
+        and "line 1" in result.stderr
+        and "there are: sit, stand, standard" in result.stderr
+    )
 
 
 def test_a_replay_is_equal_and_a_changed_input_is_found(run_directory, tmp_path):
@@ -107,10 +130,22 @@ def test_a_run_refuses_a_full_directory_and_force_empties_a_run_directory(run_di
 
 
 def test_an_expectation_that_fails_is_exit_1(tmp_path):
-    result = called("run", "flat", "--out", tmp_path / "r", "--set", "end={time=2.0}", "--set", "expect={distance_min=5.0}")
+    result = called(
+        "run",
+        "flat",
+        "--out",
+        tmp_path / "r",
+        "--set",
+        "end={time=2.0}",
+        "--set",
+        "expect={distance_min=5.0}",
+    )
     assert result.exit_code == 1
     assert "FAIL" in result.output
-    assert json.loads((tmp_path / "r" / "run.json").read_text())["expect"]["distance_min"]["pass"] is False
+    assert (
+        json.loads((tmp_path / "r" / "run.json").read_text())["expect"]["distance_min"]["pass"]
+        is False
+    )
 
 
 BAD = [
@@ -148,7 +183,9 @@ def test_a_heightmap_with_nan_is_one_clear_line_and_exit_2(tmp_path):
     heights = np.zeros((200, 200))
     heights[3, 4] = np.nan
     np.save(tmp_path / "bad.npy", heights)
-    (tmp_path / "s.toml").write_text('[terrain]\nkind = "file"\nfile = "bad.npy"\ncell = 0.05\n[end]\ntime = 1.0\n')
+    (tmp_path / "s.toml").write_text(
+        '[terrain]\nkind = "file"\nfile = "bad.npy"\ncell = 0.05\n[end]\ntime = 1.0\n'
+    )
     result = called("run", tmp_path / "s.toml", "--out", tmp_path / "r")
     assert result.exit_code == 2 and len(result.stderr.strip().splitlines()) == 1
     assert "NaN" in result.stderr and "3" in result.stderr and "4" in result.stderr
@@ -157,14 +194,17 @@ def test_a_heightmap_with_nan_is_one_clear_line_and_exit_2(tmp_path):
 def test_a_port_in_use_is_one_clear_line_and_exit_2():
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
-        command = [sys.executable, "-m", "server", "--port", str(port), "--no-open"]
+        command = [sys.executable, "-m", "walking_console", "--port", str(port), "--no-open"]
         done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
     assert done.returncode == 2
     assert str(port) in done.stderr
     assert len(done.stderr.strip().splitlines()) == 1
 
 
-@pytest.mark.parametrize(("listed", "known"), [("robots", "titan3"), ("terrains", "stepping_stones"), ("scenarios", "dem")])
+@pytest.mark.parametrize(
+    ("listed", "known"),
+    [("robots", "titan3"), ("terrains", "stepping_stones"), ("scenarios", "dem")],
+)
 def test_what_can_be_named_is_listed_with_a_line_each(listed, known):
     result = called(listed)
     assert result.exit_code == 0
@@ -189,7 +229,11 @@ def test_a_log_is_written_in_another_form(run_directory, tmp_path, form):
         from mcap.reader import make_reader
 
         with out.open("rb") as stream:
-            ticks = [json.loads(message.data) for _, channel, message in make_reader(stream).iter_messages() if channel.topic == "/tick"]
+            ticks = [
+                json.loads(message.data)
+                for _, channel, message in make_reader(stream).iter_messages()
+                if channel.topic == "/tick"
+            ]
         assert len(ticks) == 200 and ticks[-1]["t"] == pytest.approx(4.0)
 
 
@@ -209,7 +253,7 @@ def test_an_unknown_form_and_a_missing_run_are_refused(run_directory, tmp_path):
 
 
 def test_bench_prints_its_figures_and_writes_them_as_json(tmp_path, monkeypatch):
-    monkeypatch.setattr("server.bench.ROUNDS", 1)
+    monkeypatch.setattr("walking_console.sim.runs.benchmark.ROUNDS", 1)
     out = tmp_path / "bench.json"
     result = called("bench", "--json", out)
     assert result.exit_code == 0, result.output

@@ -5,17 +5,17 @@ import math
 import numpy as np
 import pytest
 
-from planner.support import MARGIN_SLACK
-from planner.terrain import classify
-from planner.vocabulary import Command, Mode
-from server.console import Console, Edit, Load, Push, Reset, prepare
-from sim.scenarios import load_scenario
+from walking_console.planner.stability import MARGIN_SLACK
+from walking_console.planner.terrain.map import classify
+from walking_console.planner.types import Command, Mode
+from walking_console.sim.scenario import load_scenario
+from walking_console.sim.simulation import Edit, Load, Push, Reset, Simulation, prepare
 
 WALK = Command(0.0, 0.08)
 
 
 def console_on(name="flat", *settings):
-    return Console(prepare(load_scenario(name, settings)))
+    return Simulation(prepare(load_scenario(name, settings)))
 
 
 def cells_around(console, x, y, half):
@@ -49,7 +49,9 @@ def test_raised_ground_is_stepped_on_and_its_edges_are_not():
     stood_on_top = False
     for _ in range(18):
         run(console, 100)
-        standing = [foot for foot, on in zip(console.plant.feet, console.plant.soles, strict=True) if on]
+        standing = [
+            foot for foot, on in zip(console.plant.feet, console.plant.soles, strict=True) if on
+        ]
         stood_on_top = stood_on_top or any(foot[2] == pytest.approx(0.1) for foot in standing)
     assert stood_on_top
     assert console.distance > 2.0, console.reason
@@ -82,7 +84,10 @@ def test_forbidden_cells_stay_forbidden_until_they_are_cleared():
 @pytest.mark.parametrize(
     ("edit", "said"),
     [
-        (Edit("melt", ((0, 0),)), "unknown terrain edit 'melt'; there are: dig, raise, forbid, clear"),
+        (
+            Edit("melt", ((0, 0),)),
+            "unknown terrain edit 'melt'; there are: dig, raise, forbid, clear",
+        ),
         (Edit("dig", ((10**6, 0),)), "cells must be within"),
         (Edit("raise", ((0, 0),), 999.0), "heights must be within 100 m"),
     ],
@@ -129,7 +134,9 @@ def test_the_same_orders_give_the_same_world_to_the_last_bit():
         states = []
         for tick in range(1500):
             if tick % 75 == 0:
-                console.order(Command(float(rng.uniform(-math.pi, math.pi)), float(rng.uniform(0.0, 0.1))))
+                console.order(
+                    Command(float(rng.uniform(-math.pi, math.pi)), float(rng.uniform(0.0, 0.1)))
+                )
             console.tick()
             states.append((*console.plant.body, *(v for foot in console.plant.feet for v in foot)))
         return states

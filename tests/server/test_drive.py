@@ -1,4 +1,6 @@
-"""The /drive WebSocket in process: lease, refusals, snapshots, and everything a hostile client may send."""
+"""The /drive WebSocket in process: lease, refusals, snapshots, and everything a hostile client may
+send.
+"""
 
 import json
 from collections.abc import Iterator
@@ -10,8 +12,8 @@ from fastapi.testclient import TestClient
 from starlette.testclient import WebSocketDenialResponse, WebSocketTestSession
 from starlette.websockets import WebSocketDisconnect
 
-from server.app import DRIVERS_MAX, FRAME_MAX
-from server.clock import WalkingClock
+from walking_console.server.api.app import DRIVERS_MAX, FRAME_MAX
+from walking_console.server.realtime_loop import WalkingClock
 
 HERE = {"origin": "http://127.0.0.1:8000"}
 AT = "ws://127.0.0.1:8000"  # the test client ignores its base URL for WebSockets
@@ -39,7 +41,9 @@ class Page:
     def press(self, speed: float = 0.08, echo: int = 0, **keys: Any) -> None:
         self.seq += 1
         stick = {"crab_angle_rad": 0.0, "speed_m_s": speed, "turn_rate_rad_s": 0.0}
-        self.socket.send_json({"type": "drive", "seq": self.seq, "echo_tick": echo, **stick, **keys})
+        self.socket.send_json(
+            {"type": "drive", "seq": self.seq, "echo_tick": echo, **stick, **keys}
+        )
 
     def refusal(self) -> str:
         return str(self.told("refused")["reason"])
@@ -62,11 +66,18 @@ def ended(socket: WebSocketTestSession) -> int:
 def test_a_page_is_greeted_told_who_drives_and_shown_the_world(client: TestClient) -> None:
     with page(client) as one:
         assert one.hello["dead_man_s"] == 0.5 and one.hello["tick_s"] == 0.02
-        assert one.told("lease") == {"type": "lease", "held": False, "holder": None, "stopped": False}
+        assert one.told("lease") == {
+            "type": "lease",
+            "held": False,
+            "holder": None,
+            "stopped": False,
+        }
         assert one.told("snapshot") == client.get("/api/v1/console").json()
 
 
-def test_pressing_the_stick_takes_the_lease_and_moves_the_machine(client: TestClient, clock: WalkingClock) -> None:
+def test_pressing_the_stick_takes_the_lease_and_moves_the_machine(
+    client: TestClient, clock: WalkingClock
+) -> None:
     with page(client) as one:
         one.told("snapshot")
         one.press()
@@ -78,7 +89,13 @@ def test_pressing_the_stick_takes_the_lease_and_moves_the_machine(client: TestCl
 
 def test_the_type_of_a_drive_frame_may_be_left_out(client: TestClient, clock: WalkingClock) -> None:
     with page(client) as one:
-        frame = {"seq": 1, "echo_tick": 0, "crab_angle_rad": 0.0, "speed_m_s": 0.05, "turn_rate_rad_s": 0.0}
+        frame = {
+            "seq": 1,
+            "echo_tick": 0,
+            "crab_angle_rad": 0.0,
+            "speed_m_s": 0.05,
+            "turn_rate_rad_s": 0.0,
+        }
         one.told("lease")
         one.socket.send_json(frame)
         assert one.told("lease")["held"]
@@ -86,7 +103,9 @@ def test_the_type_of_a_drive_frame_may_be_left_out(client: TestClient, clock: Wa
         assert clock.newest.command.speed == 0.05
 
 
-def test_a_posture_frame_takes_the_lease_and_the_posture(client: TestClient, clock: WalkingClock) -> None:
+def test_a_posture_frame_takes_the_lease_and_the_posture(
+    client: TestClient, clock: WalkingClock
+) -> None:
     with page(client) as one, page(client) as two:
         one.told("snapshot")
         one.socket.send_json({"type": "posture", "seq": 1, "echo_tick": 0, "posture": "sit"})
@@ -94,9 +113,13 @@ def test_a_posture_frame_takes_the_lease_and_the_posture(client: TestClient, clo
         for _ in range(20):
             clock.beat()
         assert clock.newest.mode.name == "SIT_DOWN"
-        two.socket.send_json({"type": "posture", "seq": 1, "echo_tick": clock.newest.tick, "posture": "stand"})
+        two.socket.send_json(
+            {"type": "posture", "seq": 1, "echo_tick": clock.newest.tick, "posture": "stand"}
+        )
         assert two.refusal() == f"{one.name} is driving"
-        two.socket.send_json({"type": "posture", "seq": 2, "echo_tick": clock.newest.tick, "posture": "lie"})
+        two.socket.send_json(
+            {"type": "posture", "seq": 2, "echo_tick": clock.newest.tick, "posture": "lie"}
+        )
         assert "posture" in two.refusal()
         for _ in range(60):
             clock.beat()
@@ -107,7 +130,12 @@ def test_a_second_page_views_and_is_told_who_drives(client: TestClient) -> None:
     with page(client) as one, page(client) as two:
         assert two.told("lease")["holder"] is None
         one.press()
-        assert two.told("lease") == {"type": "lease", "held": False, "holder": one.name, "stopped": False}
+        assert two.told("lease") == {
+            "type": "lease",
+            "held": False,
+            "holder": one.name,
+            "stopped": False,
+        }
         two.press()
         assert two.refusal() == f"{one.name} is driving"
 
@@ -126,7 +154,9 @@ def test_closing_the_page_holds(client: TestClient, clock: WalkingClock) -> None
         assert clock.newest.command.holds
 
 
-def test_a_stop_from_a_viewer_is_said_to_everybody_and_stays(client: TestClient, clock: WalkingClock) -> None:
+def test_a_stop_from_a_viewer_is_said_to_everybody_and_stays(
+    client: TestClient, clock: WalkingClock
+) -> None:
     with page(client) as one, page(client) as two:
         one.press()
         one.told("lease")
@@ -154,10 +184,20 @@ BAD: list[tuple[str, str]] = [
     ('{"type": "stop", "type": "stop"}', "twice"),
 ]
 STICK = '{"seq": 5, "echo_tick": 0, "crab_angle_rad": 0.0, "speed_m_s": %s, "turn_rate_rad_s": 0.0}'
-BAD += [(STICK % word, "speed_m_s") for word in ("1e400", "true", '"0.1"', "null", "9.0", "-0.1", "[0.1]", '{"a": 1}')]
+BAD += [
+    (STICK % word, "speed_m_s")
+    for word in ("1e400", "true", '"0.1"', "null", "9.0", "-0.1", "[0.1]", '{"a": 1}')
+]
 BAD += [(STICK % word, "not a number") for word in ("NaN", "Infinity", "-Infinity")]
-BAD += [('{"seq": 1.5, "echo_tick": 0, "crab_angle_rad": 0.0, "speed_m_s": 0.0, "turn_rate_rad_s": 0.0}', "seq")]
-BAD += [('{"seq": 1, "crab_angle_rad": 0.0, "speed_m_s": 0.1, "turn_rate_rad_s": 0.0}', "echo_tick")]
+BAD += [
+    (
+        '{"seq": 1.5, "echo_tick": 0, "crab_angle_rad": 0.0, "speed_m_s": 0.0, "turn_rate_rad_s": 0.0}',
+        "seq",
+    )
+]
+BAD += [
+    ('{"seq": 1, "crab_angle_rad": 0.0, "speed_m_s": 0.1, "turn_rate_rad_s": 0.0}', "echo_tick")
+]
 
 
 @pytest.mark.parametrize(("text", "reason"), BAD, ids=lambda text: str(text)[:40])
@@ -171,7 +211,9 @@ def test_what_is_no_frame_is_refused_with_a_reason_and_moves_nothing(
         assert clock.newest.command.holds and client.get("/api/v1/health").json()["holder"] is None
 
 
-def test_a_bad_frame_does_not_extend_the_command_before_it(client: TestClient, clock: WalkingClock) -> None:
+def test_a_bad_frame_does_not_extend_the_command_before_it(
+    client: TestClient, clock: WalkingClock
+) -> None:
     with page(client) as one:
         one.press()
         one.told("lease")
@@ -225,9 +267,14 @@ def test_a_flooding_holder_is_held(client: TestClient, clock: WalkingClock) -> N
 
 
 @pytest.mark.parametrize("path", ["/drive", "/view", "/view/"])
-@pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://127.0.0.1:9", "https://127.0.0.1:8000.evil"])
+@pytest.mark.parametrize(
+    "origin", ["http://evil.example", "null", "http://127.0.0.1:9", "https://127.0.0.1:8000.evil"]
+)
 def test_no_foreign_page_opens_a_socket(client: TestClient, path: str, origin: str) -> None:
-    with pytest.raises(WebSocketDenialResponse) as caught, client.websocket_connect(AT + path, headers={"origin": origin}):
+    with (
+        pytest.raises(WebSocketDenialResponse) as caught,
+        client.websocket_connect(AT + path, headers={"origin": origin}),
+    ):
         pass
     assert caught.value.status_code == 403
 
@@ -235,7 +282,10 @@ def test_no_foreign_page_opens_a_socket(client: TestClient, path: str, origin: s
 @pytest.mark.parametrize("path", ["/drive", "/view"])
 def test_no_foreign_host_opens_a_socket(client: TestClient, path: str) -> None:
     headers = {"origin": "http://evil.example"}
-    with pytest.raises(WebSocketDenialResponse) as caught, client.websocket_connect(f"ws://evil.example{path}", headers=headers):
+    with (
+        pytest.raises(WebSocketDenialResponse) as caught,
+        client.websocket_connect(f"ws://evil.example{path}", headers=headers),
+    ):
         pass
     assert caught.value.status_code == 403
 

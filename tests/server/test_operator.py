@@ -6,10 +6,27 @@ from typing import Literal
 import pytest
 from stopwatch import Watch
 
-from planner.vocabulary import Command, Mode
-from server.clock import WalkingClock
-from server.messages import DriveFrame, PostureFrame, RearmFrame, ReleaseFrame, StopFrame, TakeFrame
-from server.operator import CENTRE_FIRST, DEAD_MAN, LEASE_IDLE, SIT_AFTER, STOPPED, TAKE_FIRST, Operator, Seat, TooFast
+from walking_console.planner.types import Command, Mode
+from walking_console.server.control_lease import (
+    CENTRE_FIRST,
+    DEAD_MAN,
+    LEASE_IDLE,
+    SIT_AFTER,
+    STOPPED,
+    TAKE_FIRST,
+    Operator,
+    Seat,
+    TooFast,
+)
+from walking_console.server.realtime_loop import WalkingClock
+from walking_console.server.schemas import (
+    DriveFrame,
+    PostureFrame,
+    RearmFrame,
+    ReleaseFrame,
+    StopFrame,
+    TakeFrame,
+)
 
 TAKE, RELEASE = TakeFrame(type="take"), ReleaseFrame(type="release")
 STOP, REARM = StopFrame(type="stop"), RearmFrame(type="rearm")
@@ -21,18 +38,30 @@ class Stage:
     def __init__(self, clock: WalkingClock, watch: Watch) -> None:
         self.clock, self.watch, self.operator = clock, watch, Operator(clock)
 
-    def press(self, seat: Seat, speed: float = 0.08, echo: int | None = None, seq: int | None = None) -> str:
+    def press(
+        self, seat: Seat, speed: float = 0.08, echo: int | None = None, seq: int | None = None
+    ) -> str:
         echo = self.clock.newest.tick if echo is None else echo
         seq = seat.sequence + 1 if seq is None else seq
         self.operator.count(seat)
-        frame = DriveFrame(seq=seq, echo_tick=echo, crab_angle_rad=0.0, speed_m_s=speed, turn_rate_rad_s=0.0)
+        frame = DriveFrame(
+            seq=seq, echo_tick=echo, crab_angle_rad=0.0, speed_m_s=speed, turn_rate_rad_s=0.0
+        )
         return self.operator.hear(seat, frame)
 
-    def ask(self, seat: Seat, posture: Literal["sit", "stand", "standard"], echo: int | None = None, seq: int | None = None) -> str:
+    def ask(
+        self,
+        seat: Seat,
+        posture: Literal["sit", "stand", "standard"],
+        echo: int | None = None,
+        seq: int | None = None,
+    ) -> str:
         echo = self.clock.newest.tick if echo is None else echo
         seq = seat.sequence + 1 if seq is None else seq
         self.operator.count(seat)
-        return self.operator.hear(seat, PostureFrame(type="posture", seq=seq, echo_tick=echo, posture=posture))
+        return self.operator.hear(
+            seat, PostureFrame(type="posture", seq=seq, echo_tick=echo, posture=posture)
+        )
 
     @property
     def mode(self) -> Mode:
@@ -116,7 +145,9 @@ def test_a_short_stall_is_no_stop(stage: Stage) -> None:
     assert not stage.walk(0.4).holds
 
 
-def test_none_of_the_old_frames_that_arrive_in_a_burst_after_a_black_out_is_obeyed(stage: Stage) -> None:
+def test_none_of_the_old_frames_that_arrive_in_a_burst_after_a_black_out_is_obeyed(
+    stage: Stage,
+) -> None:
     seat = stage.operator.sit("a")
     stage.press(seat)
     seen = stage.clock.newest.tick
@@ -244,7 +275,9 @@ def test_a_flood_is_cut_after_its_burst_and_a_stick_at_30_a_second_never_is(stag
             stage.operator.count(wild)
 
 
-def test_a_stall_for_ever_holds_at_the_dead_man_sits_down_after_ten_seconds_and_frees_the_lease_after_fifteen(stage: Stage) -> None:
+def test_a_stall_for_ever_holds_at_the_dead_man_sits_down_after_ten_seconds_and_frees_the_lease_after_fifteen(
+    stage: Stage,
+) -> None:
     seat = stage.operator.sit("a")
     stage.press(seat)
     assert not stage.walk(DEAD_MAN - 0.02).holds
@@ -261,7 +294,9 @@ def test_a_stall_for_ever_holds_at_the_dead_man_sits_down_after_ten_seconds_and_
     assert stage.mode is Mode.SIT
 
 
-def test_a_stick_at_rest_on_a_live_link_is_never_sat_down_however_long_it_is_silent(stage: Stage) -> None:
+def test_a_stick_at_rest_on_a_live_link_is_never_sat_down_however_long_it_is_silent(
+    stage: Stage,
+) -> None:
     seat = stage.operator.sit("a")
     stage.press(seat)
     stage.walk(0.2)
@@ -280,7 +315,9 @@ def test_a_stick_held_against_a_refusal_is_a_live_link(stage: Stage) -> None:
     assert stage.mode is Mode.STAND
 
 
-def test_an_operator_who_is_cut_off_with_the_stick_pressed_is_waited_for_and_then_the_machine_sits_down(stage: Stage) -> None:
+def test_an_operator_who_is_cut_off_with_the_stick_pressed_is_waited_for_and_then_the_machine_sits_down(
+    stage: Stage,
+) -> None:
     seat = stage.operator.sit("a")
     stage.press(seat)
     stage.walk(0.3)
@@ -305,13 +342,18 @@ def test_whoever_is_heard_before_keeps_the_machine_on_its_feet(stage: Stage, som
     elif somebody == "rest":
         assert stage.operator.command(Command(), 0.5) == ""
     else:
-        stage.operator.hear(seat if somebody == "release" else other, {"take": TAKE, "stop": STOP, "release": RELEASE}[somebody])
+        stage.operator.hear(
+            seat if somebody == "release" else other,
+            {"take": TAKE, "stop": STOP, "release": RELEASE}[somebody],
+        )
     stage.walk(SIT_AFTER + 5.0)
     assert stage.mode is Mode.STAND
 
 
 @pytest.mark.parametrize(("sit_after", "sits"), [(0.0, False), (2.0, True)])
-def test_when_it_sits_down_is_a_setting_and_nought_is_never(stage: Stage, sit_after: float, sits: bool) -> None:
+def test_when_it_sits_down_is_a_setting_and_nought_is_never(
+    stage: Stage, sit_after: float, sits: bool
+) -> None:
     stage.operator = Operator(stage.clock, sit_after)
     stage.press(stage.operator.sit("a"))
     stage.walk(4.0)
@@ -361,12 +403,17 @@ def test_a_posture_being_taken_stops_at_once_with_the_operator(stage: Stage, end
     elif ended_by == "rest hold":
         assert stage.operator.command(Command(), 0.5) == ""
     else:
-        stage.operator.hear(seat if ended_by == "release" else other, {"stop": STOP, "release": RELEASE, "take": TAKE}[ended_by])
+        stage.operator.hear(
+            seat if ended_by == "release" else other,
+            {"stop": STOP, "release": RELEASE, "take": TAKE}[ended_by],
+        )
     height = stage.clock.newest.body[2]
     stage.walk(0.02)
     assert stage.clock.newest.body[2] == pytest.approx(height, abs=1e-9)
     stage.walk(2.0)
-    assert stage.clock.newest.body[2] == pytest.approx(height, abs=1e-9) and stage.mode is Mode.STAND
+    assert (
+        stage.clock.newest.body[2] == pytest.approx(height, abs=1e-9) and stage.mode is Mode.STAND
+    )
 
 
 def test_no_posture_is_taken_through_a_stop_or_by_an_old_frame(stage: Stage) -> None:
@@ -383,11 +430,18 @@ def test_no_posture_is_taken_through_a_stop_or_by_an_old_frame(stage: Stage) -> 
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_whatever_happens_one_drives_at_most_and_nothing_moves_through_a_stop(stage: Stage, seed: int) -> None:
+def test_whatever_happens_one_drives_at_most_and_nothing_moves_through_a_stop(
+    stage: Stage, seed: int
+) -> None:
     chance = random.Random(seed)
     seats = [stage.operator.sit(name) for name in "abc"]
     for _ in range(400):
-        seat, action = chance.choice(seats), chance.choice(("press", "press", "centre", "take", "release", "stop", "rearm", "wait", "old"))
+        seat, action = (
+            chance.choice(seats),
+            chance.choice(
+                ("press", "press", "centre", "take", "release", "stop", "rearm", "wait", "old")
+            ),
+        )
         if action == "press":
             stage.press(seat)
         elif action == "centre":
@@ -397,8 +451,12 @@ def test_whatever_happens_one_drives_at_most_and_nothing_moves_through_a_stop(st
         elif action == "wait":
             stage.walk(chance.choice((0.02, 0.1, 0.7)))
         elif action != "old":
-            stage.operator.hear(seat, {"take": TAKE, "release": RELEASE, "stop": STOP, "rearm": REARM}[action])
+            stage.operator.hear(
+                seat, {"take": TAKE, "release": RELEASE, "stop": STOP, "rearm": REARM}[action]
+            )
         stage.walk()
         assert sum(stage.operator.holds(one) for one in seats) <= 1
         command = stage.clock.newest.command
-        assert command.holds or (not stage.operator.stopped and stage.operator.holder in ("a", "b", "c"))
+        assert command.holds or (
+            not stage.operator.stopped and stage.operator.holder in ("a", "b", "c")
+        )

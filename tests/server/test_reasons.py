@@ -5,45 +5,70 @@ import json
 import pytest
 from fastapi.testclient import TestClient
 
-from planner.vocabulary import Command
-from server.app import Settings, create_app
-from server.clock import WalkingClock
-from server.console import Console, prepare
-from server.messages import CANDIDATES_SHOWN, AheadFrame, DecisionFrame, ahead_frame, decision_frame, painted
-from sim.scenarios import load_scenario, scenario_from
+from walking_console.planner.types import Command
+from walking_console.server.api.app import Settings, create_app
+from walking_console.server.realtime_loop import WalkingClock
+from walking_console.server.schemas import (
+    CANDIDATES_SHOWN,
+    AheadFrame,
+    DecisionFrame,
+    ahead_frame,
+    decision_frame,
+    painted,
+)
+from walking_console.sim.scenario import load_scenario, scenario_from
+from walking_console.sim.simulation import Simulation, prepare
 
 HERE = {"origin": "http://127.0.0.1:8000"}
 
 
-def walked(console: Console, command: Command, ticks: int) -> Console:
+def walked(console: Simulation, command: Command, ticks: int) -> Simulation:
     for _ in range(ticks):
         console.order(command)
         console.tick()
     return console
 
 
-def hexapod() -> Console:
+def hexapod() -> Simulation:
     terrain = {"kind": "footholds", "fraction": 0.1}
-    scenario = scenario_from({"name": "six", "robot": "hexapod", "planner": "trace", "trace": {"kind": "sine"}, "terrain": terrain}, None)
-    return walked(Console(prepare(scenario), explain=True), Command(speed=0.1), 200)
+    scenario = scenario_from(
+        {
+            "name": "six",
+            "robot": "hexapod",
+            "planner": "trace",
+            "trace": {"kind": "sine"},
+            "terrain": terrain,
+        },
+        None,
+    )
+    return walked(Simulation(prepare(scenario), explain=True), Command(speed=0.1), 200)
 
 
 @pytest.mark.parametrize("mode", ["paper", "predictive"])
 def test_a_crab_step_says_who_was_tried_and_where_it_searched(mode: str) -> None:
-    console = walked(Console(prepare(load_scenario("holes", [f'mode="{mode}"'])), explain=True), Command(0.0, 0.1), 300)
+    console = walked(
+        Simulation(prepare(load_scenario("holes", [f'mode="{mode}"'])), explain=True),
+        Command(0.0, 0.1),
+        300,
+    )
     frame = decision_frame(console.snapshot())
     assert frame is not None
     told = DecisionFrame.model_validate(frame)
     assert told.leg in (1, 2, 3, 4) and told.legs and told.domain_m and told.landing_m
     assert bool(told.search) == (mode == "predictive") and len(told.candidates) <= CANDIDATES_SHOWN
     xs, ys = zip(*told.domain_m, strict=True)
-    assert min(xs) - 0.03 <= told.landing_m[0] <= max(xs) + 0.03 and min(ys) - 0.03 <= told.landing_m[1] <= max(ys) + 0.03
+    assert (
+        min(xs) - 0.03 <= told.landing_m[0] <= max(xs) + 0.03
+        and min(ys) - 0.03 <= told.landing_m[1] <= max(ys) + 0.03
+    )
     json.dumps(frame, allow_nan=False)
 
 
 @pytest.mark.parametrize("turn_rate", [0.1, -0.1])
 def test_a_turning_step_says_what_was_weighed(turn_rate: float) -> None:
-    console = walked(Console(prepare(load_scenario("flat")), explain=True), Command(0.0, 0.08, turn_rate), 200)
+    console = walked(
+        Simulation(prepare(load_scenario("flat")), explain=True), Command(0.0, 0.08, turn_rate), 200
+    )
     frame = decision_frame(console.snapshot())
     assert frame is not None
     told = DecisionFrame.model_validate(frame)
@@ -52,7 +77,10 @@ def test_a_turning_step_says_what_was_weighed(turn_rate: float) -> None:
 
 
 def test_a_walker_that_cannot_step_says_why_of_every_leg() -> None:
-    console = Console(prepare(load_scenario("river", ['mode="paper"', "terrain.width=1.6", "detours=false"])), explain=True)
+    console = Simulation(
+        prepare(load_scenario("river", ['mode="paper"', "terrain.width=1.6", "detours=false"])),
+        explain=True,
+    )
     for _ in range(40):
         walked(console, Command(0.0, 0.15), 50)
         if console.snapshot().mode.name == "BLOCKED":
@@ -63,7 +91,12 @@ def test_a_walker_that_cannot_step_says_why_of_every_leg() -> None:
 
 
 def test_a_console_that_keeps_no_reasons_has_none() -> None:
-    assert decision_frame(walked(Console(prepare(load_scenario("flat"))), Command(0.0, 0.08), 100).snapshot()) is None
+    assert (
+        decision_frame(
+            walked(Simulation(prepare(load_scenario("flat"))), Command(0.0, 0.08), 100).snapshot()
+        )
+        is None
+    )
 
 
 def test_a_trace_walker_tells_what_it_foresees_in_a_few_kilobytes() -> None:
@@ -71,7 +104,9 @@ def test_a_trace_walker_tells_what_it_foresees_in_a_few_kilobytes() -> None:
     frame = ahead_frame(console.snapshot())
     assert frame is not None
     told = AheadFrame.model_validate(frame)
-    assert told.complete and len(told.segments_m) == 6 and told.reached_m > console.snapshot().course
+    assert (
+        told.complete and len(told.segments_m) == 6 and told.reached_m > console.snapshot().course
+    )
     assert len(json.dumps(frame, allow_nan=False)) < 16_000
     decided = decision_frame(console.snapshot())
     assert decided is not None and "states met" in DecisionFrame.model_validate(decided).notes[0]
@@ -94,5 +129,13 @@ def test_a_touch_of_a_brush_is_a_terrain_edit() -> None:
 
 
 def test_a_scenario_is_loaded_with_another_mode(client: TestClient) -> None:
-    assert client.put("/api/v1/console/scenario", json={"name": "flat", "mode": "paper"}).json()["planner_mode"] == "paper"
-    assert client.put("/api/v1/console/scenario", json={"name": "flat", "mode": "bold"}).status_code == 422
+    assert (
+        client.put("/api/v1/console/scenario", json={"name": "flat", "mode": "paper"}).json()[
+            "planner_mode"
+        ]
+        == "paper"
+    )
+    assert (
+        client.put("/api/v1/console/scenario", json={"name": "flat", "mode": "bold"}).status_code
+        == 422
+    )

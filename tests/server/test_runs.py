@@ -9,11 +9,11 @@ from typing import Any
 import pytest
 from fastapi.testclient import TestClient
 
-from server import runs as runs_module
-from server.app import Settings, create_app
-from server.clock import WalkingClock
-from server.runs import RUNS_AT_ONCE, Runs, toml
-from sim.scenarios import load_scenario, scenario_from, scenario_names
+from walking_console.server import run_jobs as runs_module
+from walking_console.server.api.app import Settings, create_app
+from walking_console.server.realtime_loop import WalkingClock
+from walking_console.server.run_jobs import RUNS_AT_ONCE, Runs, toml
+from walking_console.sim.scenario import load_scenario, scenario_from, scenario_names
 
 HERE = "http://127.0.0.1:8000"
 SHORT = ["end={time=2.0}", "expect={}"]
@@ -36,7 +36,9 @@ def over(client: TestClient, runs: Runs, run_id: str) -> dict[str, Any]:
 
 def test_a_run_is_begun_listed_followed_and_read(running: tuple[TestClient, Runs]) -> None:
     client, runs = running
-    answer = client.post("/api/v1/runs", json={"name": "flat", "settings": SHORT, "seed": 3, "trace_decisions": True})
+    answer = client.post(
+        "/api/v1/runs", json={"name": "flat", "settings": SHORT, "seed": 3, "trace_decisions": True}
+    )
     assert answer.status_code == 202
     run_id = answer.json()["id"]
     assert answer.headers["location"] == f"/api/v1/runs/{run_id}" and run_id == "flat-0001"
@@ -48,10 +50,14 @@ def test_a_run_is_begun_listed_followed_and_read(running: tuple[TestClient, Runs
     assert summary["scenario"]["seed"] == 3
     for name in ("ticks.npz", "steps.jsonl", "terrain.npz"):
         assert client.get(f"/api/v1/runs/{run_id}/{name}").status_code == 200
-    assert client.delete(f"/api/v1/runs/{run_id}").json()["state"] == "completed", "what is over stays as it is"
+    assert client.delete(f"/api/v1/runs/{run_id}").json()["state"] == "completed", (
+        "what is over stays as it is"
+    )
 
 
-def test_an_inline_scenario_runs_and_a_second_run_gets_its_own_name(running: tuple[TestClient, Runs]) -> None:
+def test_an_inline_scenario_runs_and_a_second_run_gets_its_own_name(
+    running: tuple[TestClient, Runs],
+) -> None:
     client, runs = running
     inline = {"scenario": {"end": {"time": 1.0}}}
     ids = [client.post("/api/v1/runs", json=inline).json()["id"] for _ in range(2)]
@@ -59,11 +65,18 @@ def test_an_inline_scenario_runs_and_a_second_run_gets_its_own_name(running: tup
     assert [over(client, runs, run_id)["state"] for run_id in ids] == ["completed", "completed"]
 
 
-def test_a_run_is_cancelled_and_there_is_room_for_so_many_at_once(running: tuple[TestClient, Runs]) -> None:
+def test_a_run_is_cancelled_and_there_is_room_for_so_many_at_once(
+    running: tuple[TestClient, Runs],
+) -> None:
     client, runs = running
-    ids = [client.post("/api/v1/runs", json={"name": "flat", "settings": LONG}).json()["id"] for _ in range(RUNS_AT_ONCE)]
+    ids = [
+        client.post("/api/v1/runs", json={"name": "flat", "settings": LONG}).json()["id"]
+        for _ in range(RUNS_AT_ONCE)
+    ]
     refused = client.post("/api/v1/runs", json={"name": "flat", "settings": SHORT})
-    assert refused.status_code == 429 and refused.headers["content-type"] == "application/problem+json"
+    assert (
+        refused.status_code == 429 and refused.headers["content-type"] == "application/problem+json"
+    )
     assert client.get(f"/api/v1/runs/{ids[0]}/run.json").status_code == 404, "not before it is over"
     for run_id in ids:
         assert client.delete(f"/api/v1/runs/{run_id}").status_code == 202
@@ -76,7 +89,9 @@ def test_runs_of_a_console_that_was_ended_are_interrupted(tmp_path: Path) -> Non
     assert runs.state("flat-0001")["state"] == "interrupted"
 
 
-def test_a_run_that_fails_says_why(running: tuple[TestClient, Runs], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_run_that_fails_says_why(
+    running: tuple[TestClient, Runs], monkeypatch: pytest.MonkeyPatch
+) -> None:
     client, runs = running
     monkeypatch.setattr(runs_module, "COMMAND", (*runs_module.COMMAND, "no-such-command"))
     run_id = client.post("/api/v1/runs", json={"name": "flat"}).json()["id"]
@@ -100,7 +115,9 @@ def test_a_run_that_fails_says_why(running: tuple[TestClient, Runs], monkeypatch
     ],
     ids=json.dumps,
 )
-def test_a_run_that_makes_no_sense_is_refused_before_it_begins(running: tuple[TestClient, Runs], body: dict[str, Any]) -> None:
+def test_a_run_that_makes_no_sense_is_refused_before_it_begins(
+    running: tuple[TestClient, Runs], body: dict[str, Any]
+) -> None:
     client, runs = running
     answer = client.post("/api/v1/runs", json=body)
     assert answer.status_code == 422 and answer.json()["field"]
@@ -118,15 +135,28 @@ def test_no_name_leads_out_of_the_data_folder(running: tuple[TestClient, Runs], 
         assert client.delete(path).status_code in (404, 405, 422)
 
 
-@pytest.mark.parametrize("name", ["scenario.toml", "run.json.bak", "..%2frun.json", "errors.txt", "%2e%2e%2f%2e%2e%2fetc%2fpasswd"])
-def test_only_the_files_of_a_run_are_served(running: tuple[TestClient, Runs], tmp_path: Path, name: str) -> None:
+@pytest.mark.parametrize(
+    "name",
+    [
+        "scenario.toml",
+        "run.json.bak",
+        "..%2frun.json",
+        "errors.txt",
+        "%2e%2e%2f%2e%2e%2fetc%2fpasswd",
+    ],
+)
+def test_only_the_files_of_a_run_are_served(
+    running: tuple[TestClient, Runs], tmp_path: Path, name: str
+) -> None:
     client, _ = running
     (tmp_path / "runs" / "flat-0001").mkdir(parents=True)
     (tmp_path / "runs" / "flat-0001" / "scenario.toml").write_text("secret")
     assert client.get(f"/api/v1/runs/flat-0001/{name}").status_code == 404
 
 
-def test_a_link_in_a_run_directory_is_not_followed(running: tuple[TestClient, Runs], tmp_path: Path) -> None:
+def test_a_link_in_a_run_directory_is_not_followed(
+    running: tuple[TestClient, Runs], tmp_path: Path
+) -> None:
     client, _ = running
     (tmp_path / "secret").write_text("secret")
     (tmp_path / "runs" / "flat-0001").mkdir(parents=True)
@@ -134,7 +164,9 @@ def test_a_link_in_a_run_directory_is_not_followed(running: tuple[TestClient, Ru
     assert client.get("/api/v1/runs/flat-0001/steps.jsonl").status_code == 404
 
 
-def test_without_room_no_run_begins(running: tuple[TestClient, Runs], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_room_no_run_begins(
+    running: tuple[TestClient, Runs], monkeypatch: pytest.MonkeyPatch
+) -> None:
     client, _ = running
     monkeypatch.setattr(runs_module, "SPACE_MIN", 1e18)
     assert client.post("/api/v1/runs", json={"name": "flat"}).status_code == 507
@@ -148,4 +180,7 @@ def test_a_scenario_written_for_a_child_reads_back_the_same(name: str) -> None:
 
 @pytest.mark.parametrize("text", ['a"b', "a\\b", "a\nb", "ü€😀", "\x00\x1f\x7f", "", "]]"])
 def test_any_text_survives_as_toml(text: str) -> None:
-    assert tomllib.loads(toml({"key": text, "list": [text, {"odd key": text}]})) == {"key": text, "list": [text, {"odd key": text}]}
+    assert tomllib.loads(toml({"key": text, "list": [text, {"odd key": text}]})) == {
+        "key": text,
+        "list": [text, {"odd key": text}],
+    }

@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from planner.machine import Machine, load_machine
-from planner.support import GRAVITY
-from planner.vocabulary import Point, Stance
-from sim.contact import WHISKER, World
-from sim.ground import Ground
-from sim.robot import TICK, Plant
-from sim.terrains import Obstacle
+from walking_console.planner.robot.model import Machine, load_machine
+from walking_console.planner.stability import GRAVITY
+from walking_console.planner.types import Point, Stance
+from walking_console.sim.kinematic.contact import WHISKER, World
+from walking_console.sim.kinematic.plant import TICK, KinematicPlant
+from walking_console.sim.terrain.generators import Obstacle
+from walking_console.sim.terrain.ground import Ground
 
 TITAN = load_machine("titan3")
 SLIPPERY = replace(TITAN, friction=0.3)
@@ -68,7 +68,8 @@ class TestWhiskers:
 
     def test_they_turn_with_the_body(self):
         x = POLE.x - POLE.radius - self.REACH + 0.002
-        assert self.WORLD.feel(x, 0.0, 0.0, math.pi / 2) == 1 << 6  # the pole is ahead, the body faces left of it
+        # the pole is ahead, the body faces left of it
+        assert self.WORLD.feel(x, 0.0, 0.0, math.pi / 2) == 1 << 6
 
     def test_they_do_not_feel_what_the_foot_stands_above(self):
         assert World((replace(POLE, top=0.2),), TITAN).feel(0.85, 0.0, 0.2, 0.0) == 0
@@ -88,14 +89,18 @@ class TestFriction:
             share = (low + high) / 2
             world, held = World((), SLIPPERY), True
             for _ in range(3):
-                pushed = world.slide((*body, 0.85, 0.0, 0.0, 0.0), FEET, share * GRIP * ux, share * GRIP * uy, TICK)
+                pushed = world.slide(
+                    (*body, 0.85, 0.0, 0.0, 0.0), FEET, share * GRIP * ux, share * GRIP * uy, TICK
+                )
                 held = held and pushed is None
             low, high = (share, high) if held else (low, share)
         return low
 
     @pytest.mark.parametrize("degrees", [0, 30, 45, 90, 135, 200])
     def test_it_slips_at_the_coulomb_limit_in_every_direction(self, degrees):
-        assert self.least_force(math.cos(math.radians(degrees)), math.sin(math.radians(degrees))) == pytest.approx(1.0, abs=0.002)
+        assert self.least_force(
+            math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+        ) == pytest.approx(1.0, abs=0.002)
 
     def test_a_body_off_the_centre_of_support_slips_no_sooner(self):
         assert self.least_force(1.0, 0.0, (0.1, 0.2)) == pytest.approx(1.0, abs=0.002)
@@ -108,7 +113,13 @@ class TestFriction:
         world, x, excess = World((), SLIPPERY), 0.0, 0.5
         for tick in range(40):
             feet = [(fx + x, fy, fz) for fx, fy, fz in FEET]
-            slip = world.slide((x, 0.0, 0.85, 0.0, 0.0, 0.0), feet, (1 + excess) * GRIP if tick < 10 else 0.0, 0.0, TICK)
+            slip = world.slide(
+                (x, 0.0, 0.85, 0.0, 0.0, 0.0),
+                feet,
+                (1 + excess) * GRIP if tick < 10 else 0.0,
+                0.0,
+                TICK,
+            )
             if slip is None:
                 break
             x += slip.dx
@@ -118,7 +129,9 @@ class TestFriction:
         assert not world.sliding
 
     def test_a_slide_ends_at_a_block(self):
-        wall = Obstacle(1.5, 0.0, 0.0, 2.0, corners=((1.0, -2.0), (2.0, -2.0), (2.0, 2.0), (1.0, 2.0)))
+        wall = Obstacle(
+            1.5, 0.0, 0.0, 2.0, corners=((1.0, -2.0), (2.0, -2.0), (2.0, 2.0), (1.0, 2.0))
+        )
         world, x = World((wall,), SLIPPERY), 0.0
         for _ in range(150):
             feet = [(fx + x, fy, fz) for fx, fy, fz in FEET]
@@ -128,7 +141,10 @@ class TestFriction:
 
     def test_two_slides_among_poles_are_the_same_to_the_last_bit(self):
         rng = np.random.default_rng(9)
-        poles = [Obstacle(*(float(v) for v in rng.uniform(-3, 3, 2)), 0.0, 1.5, radius=0.05) for _ in range(60)]
+        poles = [
+            Obstacle(*(float(v) for v in rng.uniform(-3, 3, 2)), 0.0, 1.5, radius=0.05)
+            for _ in range(60)
+        ]
         poles = [pole for pole in poles if math.hypot(pole.x, pole.y) > 0.8]
 
         def slide() -> list[tuple[float, ...]]:
@@ -137,7 +153,13 @@ class TestFriction:
                 c, s = math.cos(pose[2]), math.sin(pose[2])
                 feet = [(pose[0] + c * x - s * y, pose[1] + s * x + c * y, z) for x, y, z in FEET]
                 body = (pose[0], pose[1], 0.85, 0.0, 0.0, pose[2])
-                slip = world.slide(body, feet, 2 * GRIP * math.cos(tick / 20), 1.5 * GRIP * math.sin(tick / 9), TICK)
+                slip = world.slide(
+                    body,
+                    feet,
+                    2 * GRIP * math.cos(tick / 20),
+                    1.5 * GRIP * math.sin(tick / 9),
+                    TICK,
+                )
                 if slip is not None:
                     pose = [a + b for a, b in zip(pose, slip, strict=True)]
                 path.append(tuple(pose))
@@ -148,12 +170,14 @@ class TestFriction:
 
 class TestTheMachineAmongPoles:
     @staticmethod
-    def plant(pole: Obstacle, up: int | None = None, machine: Machine = TITAN) -> Plant:
+    def plant(pole: Obstacle, up: int | None = None, machine: Machine = TITAN) -> KinematicPlant:
         heights = np.zeros((200, 200))
         feet = tuple((x, y, 0.1 if leg == up else 0.0) for leg, (x, y, _) in enumerate(FEET))
         body = (0.0, 0.0, machine.height, 0.0) if up is None else (-0.1, -0.1, machine.height, 0.0)
         ground = Ground(heights, 0.05, (-5.0, -5.0), obstacles=(pole,))
-        return Plant(machine, ground, Stance(body, feet, lifted=() if up is None else (up,)))
+        return KinematicPlant(
+            machine, ground, Stance(body, feet, lifted=() if up is None else (up,))
+        )
 
     def test_the_torso_stops_at_a_pole_and_the_feet_stay(self):
         plant = self.plant(Obstacle(0.7, 0.0, 0.0, 1.5, radius=0.05))
@@ -188,12 +212,13 @@ class TestTheMachineAmongPoles:
         assert plant.feet[0][0] == pytest.approx(0.65)
 
     def test_a_leg_stops_at_a_pole_its_foot_has_not_met(self):
-        plant = self.plant(Obstacle(0.52, 0.36, 0.0, 1.5, radius=0.02), up=0)  # between hip and foot, further on
+        # between hip and foot, further on
+        plant = self.plant(Obstacle(0.52, 0.36, 0.0, 1.5, radius=0.02), up=0)
         walk(plant, [(0.5, 0.0, 0.0), *[(0.0, 0.0, 0.0)] * 3], 20)
         assert 0.5 < plant.feet[0][0] < 0.65
         assert plant.whiskers[0] & 1
 
 
-def walk(plant: Plant, velocities: list[Point], ticks: int) -> None:
+def walk(plant: KinematicPlant, velocities: list[Point], ticks: int) -> None:
     for _ in range(ticks):
         plant.move(velocities)

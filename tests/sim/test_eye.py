@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from planner.machine import load_machine
-from sim.eye import Eye, EyeSettings
-from sim.ground import Ground
+from walking_console.planner.robot.model import load_machine
+from walking_console.sim.range_sensor import EyeSettings, RangeSensor
+from walking_console.sim.terrain.ground import Ground
 
 MACHINE = load_machine("titan3")
 CLEAR = {"noise": 0.0, "dropout": 0.0}
@@ -30,7 +30,12 @@ def at(v, cell=CELL, size=16.0):
 
 
 def eye_over(heights, seed=1, cell=CELL, **settings):
-    return Eye(MACHINE, ground_of(heights, cell), np.random.default_rng(seed), EyeSettings(**{**CLEAR, **settings}))
+    return RangeSensor(
+        MACHINE,
+        ground_of(heights, cell),
+        np.random.default_rng(seed),
+        EyeSettings(**{**CLEAR, **settings}),
+    )
 
 
 def seen(eye, looks=12, body=STANDING, direction=0.0):
@@ -64,7 +69,9 @@ def test_level_ground_ahead_is_seen_as_it_is_and_nowhere_else():
 def test_the_eye_turns_to_the_course(yaw, direction):
     eye = eye_over(level())
     x, y = places(eye, seen(eye, body=(0.0, 0.0, 0.85, 0.0, 0.0, yaw), direction=direction))
-    assert math.remainder(math.atan2(y.mean(), x.mean()) - yaw - direction, math.tau) == pytest.approx(0.0, abs=0.25)
+    assert math.remainder(
+        math.atan2(y.mean(), x.mean()) - yaw - direction, math.tau
+    ) == pytest.approx(0.0, abs=0.25)
 
 
 def test_a_fixed_eye_looks_along_the_torso():
@@ -96,7 +103,8 @@ def test_a_block_is_seen_from_above_and_throws_a_shadow():
     heights[at(-0.5) : at(0.5), at(2.0) : at(2.3)] = 0.4
     found = seen(eye_over(heights))
     assert np.all(found[at(-0.4) : at(0.4), at(2.05) : at(2.25)] == 0.4)
-    assert np.all(found[at(-0.2) : at(0.2), at(2.3) : at(2.7)] == -np.inf)  # eye 1.35 m up: the shadow is 0.9 m long
+    # eye 1.35 m up: the shadow is 0.9 m long
+    assert np.all(found[at(-0.2) : at(0.2), at(2.3) : at(2.7)] == -np.inf)
 
 
 def test_a_hole_is_looked_into_from_near_and_not_from_far():
@@ -135,7 +143,9 @@ def test_what_is_seen_is_true_on_any_ground():
 
 
 def test_noise_and_dropouts_are_as_set_and_repeatable():
-    one, other, third = (eye_over(level(), seed=seed, noise=0.01, dropout=0.5) for seed in (3, 3, 4))
+    one, other, third = (
+        eye_over(level(), seed=seed, noise=0.01, dropout=0.5) for seed in (3, 3, 4)
+    )
     a, b, c = one.look(STANDING), other.look(STANDING), third.look(STANDING)
     assert all(np.array_equal(p, q) for p, q in zip(a, b, strict=True))
     assert not np.array_equal(a.heights[:100], c.heights[:100])
@@ -145,7 +155,9 @@ def test_noise_and_dropouts_are_as_set_and_repeatable():
 
 def test_a_nose_down_torso_sees_nearer():
     eye = eye_over(level())
-    flat, down = (seen(eye, body=(0.0, 0.0, 0.85, 0.0, pitch, 0.0))[at(0.0)] for pitch in (0.0, 0.2))
+    flat, down = (
+        seen(eye, body=(0.0, 0.0, 0.85, 0.0, pitch, 0.0))[at(0.0)] for pitch in (0.0, 0.2)
+    )
     assert np.argmax(down == 0.0) < np.argmax(flat == 0.0) - 3
 
 
@@ -155,7 +167,16 @@ def test_the_edge_of_the_map_is_not_a_hole():
     assert sight.rows.size > 0 and not np.isnan(sight.heights).any()
 
 
-@pytest.mark.parametrize("wrong", [{"range": math.inf}, {"every": 0}, {"resolution_deg": [0.0, 1.0]}, {"colour": True}, {"dropout": 2.0}])
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"range": math.inf},
+        {"every": 0},
+        {"resolution_deg": [0.0, 1.0]},
+        {"colour": True},
+        {"dropout": 2.0},
+    ],
+)
 def test_settings_that_cannot_be_are_refused(wrong):
     with pytest.raises(ValidationError):
         EyeSettings(**wrong)

@@ -16,10 +16,18 @@ from hypothesis.extra import numpy as arrays
 from PIL import Image
 from pydantic import TypeAdapter, ValidationError
 
-from planner.machine import load_machine
-from planner.terrain import TerrainMap, classify
-from sim.ground import Ground, GroundError, make_ground
-from sim.terrains import KINDS, AnyTerrain, Dem, Generated, Poles, Stairs, list_terrains
+from walking_console.planner.robot.model import load_machine
+from walking_console.planner.terrain.map import TerrainMap, classify
+from walking_console.sim.terrain.generators import (
+    KINDS,
+    AnyTerrain,
+    Dem,
+    Generated,
+    Poles,
+    Stairs,
+    list_terrains,
+)
+from walking_console.sim.terrain.ground import Ground, GroundError, make_ground
 
 TITAN = load_machine("titan3")
 GENERATED = [kind for kind in KINDS if kind != "file"]
@@ -32,7 +40,15 @@ def terrain(kind: str, **parameters: Any) -> Any:
     return TypeAdapter(AnyTerrain).validate_python({"kind": kind, **parameters})
 
 
-def ground(kind: str, *, span: Any = 0.0, seed: int = 1, stand: Any = (), start: Any = START, **parameters: Any) -> Ground:
+def ground(
+    kind: str,
+    *,
+    span: Any = 0.0,
+    seed: int = 1,
+    stand: Any = (),
+    start: Any = START,
+    **parameters: Any,
+) -> Ground:
     return make_ground(terrain(kind, **parameters), TITAN, start, seed, span, None, stand)
 
 
@@ -72,7 +88,9 @@ def test_the_start_posture_finds_ground(kind: str) -> None:
     assert all(math.isfinite(made.height_at(x, y)) for x, y in FEET)
 
 
-@pytest.mark.parametrize("kind", [kind for kind in GENERATED if kind not in ("slope", "dem", "rough", "wave")])
+@pytest.mark.parametrize(
+    "kind", [kind for kind in GENERATED if kind not in ("slope", "dem", "rough", "wave")]
+)
 def test_the_ground_around_the_start_is_level(kind: str) -> None:
     made = ground(kind, seed=3)
     assert {made.height_at(x, y) for x, y in FEET} == {0.0}
@@ -81,7 +99,9 @@ def test_the_ground_around_the_start_is_level(kind: str) -> None:
 @pytest.mark.parametrize("kind", GENERATED)
 def test_a_longer_course_finds_the_same_ground(kind: str) -> None:
     near, far = ground(kind, span=1.0), ground(kind, span=9.0)
-    row, column = (round((a - b) / near.cell) for a, b in zip(near.origin[::-1], far.origin[::-1], strict=True))
+    row, column = (
+        round((a - b) / near.cell) for a, b in zip(near.origin[::-1], far.origin[::-1], strict=True)
+    )
     same = far.heights[row : row + near.rows, column : column + near.columns]
     np.testing.assert_allclose(same, near.heights, atol=1e-12)
 
@@ -123,7 +143,17 @@ def test_a_dump_says_every_parameter_and_loads_back_equal(kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", GENERATED)
-@pytest.mark.parametrize("bad", [{"difficulty": 1.1}, {"difficulty": True}, {"seed": -1}, {"seed": True}, {"cell": 0.001}, {"wide": 1}])
+@pytest.mark.parametrize(
+    "bad",
+    [
+        {"difficulty": 1.1},
+        {"difficulty": True},
+        {"seed": -1},
+        {"seed": True},
+        {"cell": 0.001},
+        {"wide": 1},
+    ],
+)
 def test_impossible_parameters_are_refused(kind: str, bad: dict[str, Any]) -> None:
     with pytest.raises(ValidationError):
         terrain(kind, **bad)
@@ -163,15 +193,21 @@ def test_rough_ground_keeps_within_its_amplitude_and_uses_it() -> None:
 
 
 def test_stairs_go_up_and_down_again() -> None:
-    made = ground("stairs", rise=0.1, tread=0.5, count=2, direction="up-down", landing=1.0, at=1.0, span=4.0)
+    made = ground(
+        "stairs", rise=0.1, tread=0.5, count=2, direction="up-down", landing=1.0, at=1.0, span=4.0
+    )
     walked = [made.height_at(x, 0.0) for x in (0.9, 1.1, 1.6, 2.4, 2.6, 3.1)]
     assert walked == pytest.approx([0.0, 0.1, 0.2, 0.2, 0.1, 0.0])
-    assert ground("stairs", rise=0.1, count=2, direction="down", span=4.0).height_at(3.5, 0.0) == pytest.approx(-0.2)
+    assert ground("stairs", rise=0.1, count=2, direction="down", span=4.0).height_at(
+        3.5, 0.0
+    ) == pytest.approx(-0.2)
 
 
 @pytest.mark.parametrize("direction", ["up", "down", "up-down"])
 @pytest.mark.parametrize("heading", [0.0, 90.0, 33.0])
-def test_the_boxes_of_stairs_are_as_high_as_the_ground_under_them(direction: str, heading: float) -> None:
+def test_the_boxes_of_stairs_are_as_high_as_the_ground_under_them(
+    direction: str, heading: float
+) -> None:
     made = ground("stairs", direction=direction, heading_deg=heading, span=5.0, count=2)
     assert made.obstacles
     for box in made.obstacles:
@@ -185,7 +221,12 @@ def test_a_block_lies_turned_about_its_middle_and_stands_in_the_plane_as_a_polyg
     made = ground("block", height=0.2, length=2.0, width=0.4, at=2.0, angle_deg=90.0, span=4.0)
     assert made.height_at(3.0, 0.9) == 0.2 and made.height_at(2.1, 0.0) == 0.0
     (box,) = made.obstacles
-    assert {(round(x, 6), round(y, 6)) for x, y in box.corners} == {(2.8, -1.0), (3.2, -1.0), (3.2, 1.0), (2.8, 1.0)}
+    assert {(round(x, 6), round(y, 6)) for x, y in box.corners} == {
+        (2.8, -1.0),
+        (3.2, -1.0),
+        (3.2, 1.0),
+        (2.8, 1.0),
+    }
     (ax, ay), (bx, by), (cx, cy) = box.corners[:3]
     assert (bx - ax) * (cy - ay) - (by - ay) * (cx - ax) > 0  # counter-clockwise
 
@@ -233,9 +274,16 @@ def test_poles_stand_apart_in_their_area_and_clear_of_the_start() -> None:
     made = ground("poles", count=20, radius=0.06, area=[-2.0, 4.0, -2.0, 2.0], height=0.4)
     assert len(made.obstacles) == 20
     for index, pole in enumerate(made.obstacles):
-        assert pole.radius == 0.06 and not pole.corners and made.height_at(pole.x, pole.y) == pole.top == 0.4
+        assert (
+            pole.radius == 0.06
+            and not pole.corners
+            and made.height_at(pole.x, pole.y) == pole.top == 0.4
+        )
         assert math.hypot(pole.x, pole.y) > 1.0
-        assert all(math.hypot(pole.x - other.x, pole.y - other.y) >= 0.12 + 0.25 for other in made.obstacles[:index])
+        assert all(
+            math.hypot(pole.x - other.x, pole.y - other.y) >= 0.12 + 0.25
+            for other in made.obstacles[:index]
+        )
 
 
 def test_too_many_poles_for_their_area_are_refused_in_words() -> None:
@@ -245,20 +293,30 @@ def test_too_many_poles_for_their_area_are_refused_in_words() -> None:
 
 def test_a_wave_has_the_height_and_length_it_says() -> None:
     made = ground("wave", amplitude=0.1, length=1.0)
-    assert made.height_at(0.5, 0.0) == pytest.approx(0.2, abs=0.001) and made.height_at(1.0, 0.0) == pytest.approx(0.0, abs=0.002)
+    assert made.height_at(0.5, 0.0) == pytest.approx(0.2, abs=0.001) and made.height_at(
+        1.0, 0.0
+    ) == pytest.approx(0.0, abs=0.002)
 
 
 def test_the_elevation_model_is_matplotlibs_at_walking_scale() -> None:
-    """H has no such ground; the contract says 344 x 403 heights, 13 degrees median and 36 at most in nature."""
+    """H has no such ground; the contract says 344 x 403 heights, 13 degrees median and 36 at most
+    in nature.
+    """
     sample = np.load(_matplotlib_sample())
     elevation = sample["elevation"][::-1].astype(float)
-    made = ground("dem", scale=1000.0, relief=1000.0, offset=[10.0, 10.0], span=(0.0, 15.0, -5.0, 5.0))
+    made = ground(
+        "dem", scale=1000.0, relief=1000.0, offset=[10.0, 10.0], span=(0.0, 15.0, -5.0, 5.0)
+    )
     east, north = 0.074266, 0.092667
     column, row = 200, 120
-    here = made.height_at(column * east - 10.0, row * north - 10.0) - made.height_at(150 * east - 10.0, row * north - 10.0)
+    here = made.height_at(column * east - 10.0, row * north - 10.0) - made.height_at(
+        150 * east - 10.0, row * north - 10.0
+    )
     assert here == pytest.approx((elevation[row, column] - elevation[row, 150]) / 1000.0, abs=0.02)
     slope = np.degrees(np.arctan(np.hypot(*np.gradient(elevation, 92.667, 74.266))))
-    assert np.median(slope) == pytest.approx(13.0, abs=0.5) and slope.max() == pytest.approx(36.0, abs=0.5)
+    assert np.median(slope) == pytest.approx(13.0, abs=0.5) and slope.max() == pytest.approx(
+        36.0, abs=0.5
+    )
 
 
 def _matplotlib_sample() -> Path:
@@ -276,7 +334,9 @@ def test_the_elevation_model_has_hills_to_walk_and_no_walls() -> None:
 def test_the_elevation_model_goes_on_mirrored_beyond_its_edges() -> None:
     made = ground("dem", offset=[1.0, 16.0], span=4.0)
     for depth in (0.25, 1.0, 2.0):
-        assert made.height_at(-1.0 - depth, 0.5) == pytest.approx(made.height_at(-1.0 + depth, 0.5), abs=0.02)
+        assert made.height_at(-1.0 - depth, 0.5) == pytest.approx(
+            made.height_at(-1.0 + depth, 0.5), abs=0.02
+        )
 
 
 def test_the_elevation_model_can_be_turned() -> None:
@@ -309,7 +369,9 @@ def test_edited_ground_is_new_ground() -> None:
 
 
 @pytest.mark.parametrize("cell", [(-1, 0, 0.0), (0, 480, 0.0), (0, 0, math.inf), (0, 0, 1e6)])
-def test_edits_outside_the_map_or_of_infinite_height_are_refused(cell: tuple[int, int, float]) -> None:
+def test_edits_outside_the_map_or_of_infinite_height_are_refused(
+    cell: tuple[int, int, float],
+) -> None:
     with pytest.raises(GroundError):
         ground("flat").edited([cell])
 
@@ -327,7 +389,10 @@ def test_an_array_is_the_ground_cell_by_cell(tmp_path: Path) -> None:
     made = from_file(tmp_path / "h.npy", cell=0.05)
     assert made.cell == 0.05 and np.array_equal(made.heights, heights)
     assert made.origin == pytest.approx((-1.5, -1.0))
-    assert made.height_at(-1.49, -0.99) == heights[0, 0] and made.height_at(1.49, -0.99) == heights[0, 59]
+    assert (
+        made.height_at(-1.49, -0.99) == heights[0, 0]
+        and made.height_at(1.49, -0.99) == heights[0, 59]
+    )
 
 
 @pytest.mark.parametrize("dtype", ["f2", "f4", ">f8", "i2", "u1"])
@@ -365,9 +430,17 @@ def test_grey_pictures_are_heights_up_to_white(tmp_path: Path, kind: Any, white:
     assert made.heights[3, 7] == 0.25 and np.count_nonzero(made.heights) == 1
 
 
-@given(heights=arrays.arrays(np.float64, arrays.array_shapes(min_dims=0, max_dims=3, max_side=5), elements=st.floats(width=64)))
+@given(
+    heights=arrays.arrays(
+        np.float64,
+        arrays.array_shapes(min_dims=0, max_dims=3, max_side=5),
+        elements=st.floats(width=64),
+    )
+)
 @settings(max_examples=80, deadline=None)
-def test_an_array_either_is_ground_or_is_refused_in_one_line(tmp_path_factory: pytest.TempPathFactory, heights: Any) -> None:
+def test_an_array_either_is_ground_or_is_refused_in_one_line(
+    tmp_path_factory: pytest.TempPathFactory, heights: Any
+) -> None:
     path = tmp_path_factory.mktemp("h") / "h.npy"
     np.save(path, heights)
     try:
@@ -395,7 +468,9 @@ def test_an_array_either_is_ground_or_is_refused_in_one_line(tmp_path_factory: p
         (np.zeros((3, 3), dtype=bool), "numbers wanted"),
     ],
 )
-def test_arrays_that_are_no_ground_are_refused_with_the_cell(tmp_path: Path, heights: Any, says: str) -> None:
+def test_arrays_that_are_no_ground_are_refused_with_the_cell(
+    tmp_path: Path, heights: Any, says: str
+) -> None:
     np.save(tmp_path / "h.npy", heights)
     with pytest.raises(GroundError, match=says):
         from_file(tmp_path / "h.npy")
@@ -429,7 +504,9 @@ def test_pickles_are_not_opened(tmp_path: Path, save: str) -> None:
     assert not Canary.sang
 
 
-def test_a_header_that_promises_more_than_the_file_holds_is_refused_before_reading(tmp_path: Path) -> None:
+def test_a_header_that_promises_more_than_the_file_holds_is_refused_before_reading(
+    tmp_path: Path,
+) -> None:
     whole = io.BytesIO()
     np.save(whole, np.zeros((500, 500)))
     (tmp_path / "h.npy").write_bytes(whole.getvalue()[:1000])
@@ -457,7 +534,9 @@ def test_a_zip_bomb_is_not_unpacked(tmp_path: Path) -> None:
         ({"heights": np.zeros((3, 3)), **{f"m{i}": 0 for i in range(20)}}, "members"),
     ],
 )
-def test_archives_that_are_no_ground_are_refused(tmp_path: Path, members: dict[str, Any], says: str) -> None:
+def test_archives_that_are_no_ground_are_refused(
+    tmp_path: Path, members: dict[str, Any], says: str
+) -> None:
     np.savez(tmp_path / "h.npz", **members)
     with pytest.raises(GroundError, match=says):
         from_file(tmp_path / "h.npz")
@@ -481,7 +560,9 @@ def test_a_picture_too_large_is_refused_before_it_is_decoded(tmp_path: Path) -> 
 @pytest.mark.parametrize("suffix", ["npy", "npz", "png"])
 @given(junk=st.binary(max_size=300))
 @settings(max_examples=25, deadline=None)
-def test_junk_is_refused_in_one_line(tmp_path_factory: pytest.TempPathFactory, suffix: str, junk: bytes) -> None:
+def test_junk_is_refused_in_one_line(
+    tmp_path_factory: pytest.TempPathFactory, suffix: str, junk: bytes
+) -> None:
     head = {"npy": b"\x93NUMPY\x01\x00", "npz": b"PK\x03\x04", "png": b"\x89PNG\r\n\x1a\n"}[suffix]
     path = tmp_path_factory.mktemp("junk") / f"h.{suffix}"
     for content in (junk, head + junk):
@@ -494,25 +575,40 @@ def test_junk_is_refused_in_one_line(tmp_path_factory: pytest.TempPathFactory, s
 @pytest.mark.parametrize("suffix", ["npy", "npz", "png"])
 @given(data=st.data())
 @settings(max_examples=40, deadline=None)
-def test_flipped_bytes_never_raise_anything_else(tmp_path_factory: pytest.TempPathFactory, suffix: str, data: st.DataObject) -> None:
+def test_flipped_bytes_never_raise_anything_else(
+    tmp_path_factory: pytest.TempPathFactory, suffix: str, data: st.DataObject
+) -> None:
     path = tmp_path_factory.mktemp("flip") / f"h.{suffix}"
     heights = np.zeros((6, 6), dtype=np.uint8)
     if suffix == "png":
         Image.fromarray(heights).save(path)
     else:
-        np.save(path, heights) if suffix == "npy" else np.savez_compressed(path, heights=heights, cell=0.05, origin=[-0.15, -0.15])
+        np.save(path, heights) if suffix == "npy" else np.savez_compressed(
+            path, heights=heights, cell=0.05, origin=[-0.15, -0.15]
+        )
     content = bytearray(path.read_bytes())
     for _ in range(data.draw(st.integers(1, 4))):
         content[data.draw(st.integers(0, len(content) - 1))] = data.draw(st.integers(0, 255))
-    path.write_bytes(bytes(content[: data.draw(st.integers(0, len(content)))] if data.draw(st.booleans()) else content))
+    path.write_bytes(
+        bytes(
+            content[: data.draw(st.integers(0, len(content)))]
+            if data.draw(st.booleans())
+            else content
+        )
+    )
     try:
         from_file(path)
     except GroundError as refusal:
         assert "\n" not in str(refusal)
 
 
-@pytest.mark.parametrize(("name", "says"), [("none.npy", "does not exist"), ("none.txt", "must end in one of: .npy, .npz, .png")])
-def test_missing_and_unknown_files_are_refused_in_words(tmp_path: Path, name: str, says: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "says"),
+    [("none.npy", "does not exist"), ("none.txt", "must end in one of: .npy, .npz, .png")],
+)
+def test_missing_and_unknown_files_are_refused_in_words(
+    tmp_path: Path, name: str, says: str
+) -> None:
     with pytest.raises(GroundError, match=says):
         from_file(tmp_path / name)
 
@@ -524,4 +620,8 @@ def test_a_start_outside_the_file_is_refused_in_words(tmp_path: Path) -> None:
 
 
 def test_kinds_say_their_own_parameters() -> None:
-    assert Stairs(kind="stairs").count == 3 and Poles(kind="poles").radius == 0.05 and Dem(kind="dem").relief == 2000.0
+    assert (
+        Stairs(kind="stairs").count == 3
+        and Poles(kind="poles").radius == 0.05
+        and Dem(kind="dem").relief == 2000.0
+    )

@@ -9,12 +9,29 @@ import numpy as np
 import pytest
 from pydantic import TypeAdapter
 
-from planner.machine import Machine, load_machine
-from planner.vocabulary import Point, Stance
-from sim.ground import Ground, make_ground
-from sim.posture import Rest, angles, attitude, lean, plane_fit, rest, rotation, turned, unturned
-from sim.robot import SOLE_GAP, STEP_UP, TICK, Noise, Plant, slope_at
-from sim.terrains import AnyTerrain
+from walking_console.planner.robot.model import Machine, load_machine
+from walking_console.planner.types import Point, Stance
+from walking_console.sim.kinematic.plant import (
+    SOLE_GAP,
+    STEP_UP,
+    TICK,
+    KinematicPlant,
+    Noise,
+    slope_at,
+)
+from walking_console.sim.kinematic.rest_pose import (
+    Rest,
+    angles,
+    attitude,
+    lean,
+    plane_fit,
+    rest,
+    rotation,
+    turned,
+    unturned,
+)
+from walking_console.sim.terrain.generators import AnyTerrain
+from walking_console.sim.terrain.ground import Ground, make_ground
 
 TITAN = load_machine("titan3")
 HEXAPOD = load_machine("hexapod")
@@ -33,19 +50,29 @@ def shaped(height: Callable[[float, float], float]) -> Ground:
 
 def made(kind: str, **parameters: object) -> Ground:
     terrain = TypeAdapter(AnyTerrain).validate_python({"kind": kind, **parameters})
-    return make_ground(terrain, TITAN, (0.0, 0.0, 0.0), 1, 4.0, None, [leg.centre for leg in TITAN.legs])
+    return make_ground(
+        terrain, TITAN, (0.0, 0.0, 0.0), 1, 4.0, None, [leg.centre for leg in TITAN.legs]
+    )
 
 
 def standing(
-    machine: Machine = TITAN, ground: Ground | None = None, x: float = 0.0, y: float = 0.0, up: dict[int, float] | None = None
-) -> Plant:
-    """On the middles of its reach, body moved to (x, y); ``up`` are feet in the air with their height."""
+    machine: Machine = TITAN,
+    ground: Ground | None = None,
+    x: float = 0.0,
+    y: float = 0.0,
+    up: dict[int, float] | None = None,
+) -> KinematicPlant:
+    """On the middles of its reach, body moved to (x, y); ``up`` are feet in the air with their
+    height.
+    """
     ground, up = ground or flat(), up or {}
     feet = []
     for leg, (fx, fy) in enumerate(leg.centre for leg in machine.legs):
         height = ground.height_at(fx, fy)
         feet.append((fx, fy, (0.0 if math.isnan(height) else height) + up.get(leg, 0.0)))
-    return Plant(machine, ground, Stance((x, y, machine.height, 0.0), tuple(feet), lifted=tuple(up)))
+    return KinematicPlant(
+        machine, ground, Stance((x, y, machine.height, 0.0), tuple(feet), lifted=tuple(up))
+    )
 
 
 def all_legs(vx: float, vy: float = 0.0, vz: float = 0.0) -> list[Point]:
@@ -56,11 +83,11 @@ def one_leg(leg: int, velocity: Point) -> list[Point]:
     return [velocity if i == leg else (0.0, 0.0, 0.0) for i in range(4)]
 
 
-def feet_of(plant: Plant) -> list[tuple[float, ...]]:
+def feet_of(plant: KinematicPlant) -> list[tuple[float, ...]]:
     return [tuple(foot) for foot in plant.feet]
 
 
-def run(plant: Plant, velocities: Sequence[Point], ticks: int) -> Plant:
+def run(plant: KinematicPlant, velocities: Sequence[Point], ticks: int) -> KinematicPlant:
     for _ in range(ticks):
         plant.move(velocities)
     return plant
@@ -87,7 +114,12 @@ class TestWalking:
         stood = feet_of(plant)
         for k in range(200):
             c, s = math.cos(0.002), math.sin(0.002) * (1 if k < 100 else -1)
-            plant.move([((c * x + s * y - x) / TICK, (c * y - s * x - y) / TICK, 0.0) for x, y, _ in plant.sense().feet_b])
+            plant.move(
+                [
+                    ((c * x + s * y - x) / TICK, (c * y - s * x - y) / TICK, 0.0)
+                    for x, y, _ in plant.sense().feet_b
+                ]
+            )
             if k == 99:
                 assert plant.body[5] == pytest.approx(0.2)
         assert feet_of(plant) == stood
@@ -129,8 +161,13 @@ class TestWalking:
         for _ in range(500):
             plant.move(one_leg(0, tuple(float(v) for v in rng.normal(0, 3, 3))))
             now = plant.sense().feet_b[0]
-            assert all(abs(a - b) <= limit * TICK + 1e-12 for a, b, limit in zip(now, before, TITAN.speed, strict=True))
-            for value, (low, high), slack in zip(now, (leg.x, leg.y, leg.z), (dx, dy, dz), strict=True):
+            assert all(
+                abs(a - b) <= limit * TICK + 1e-12
+                for a, b, limit in zip(now, before, TITAN.speed, strict=True)
+            )
+            for value, (low, high), slack in zip(
+                now, (leg.x, leg.y, leg.z), (dx, dy, dz), strict=True
+            ):
                 assert low - slack - 1e-9 <= value <= high + slack + 1e-9
             before = now
 
@@ -151,7 +188,7 @@ class TestWalking:
 
     def test_a_stance_for_another_machine_is_refused(self):
         with pytest.raises(ValueError, match="6 feet, got 4"):
-            Plant(HEXAPOD, flat(), Stance((0, 0, 0.5, 0), ((0, 0, 0),) * 4))
+            KinematicPlant(HEXAPOD, flat(), Stance((0, 0, 0.5, 0), ((0, 0, 0),) * 4))
 
 
 class TestGround:
@@ -183,7 +220,9 @@ class TestGround:
         assert plant.body == pytest.approx([-0.1, -0.1, TITAN.height, 0, 0, 0])
 
     def test_a_riser_stops_a_foot_on_its_way_and_its_whiskers_say_where(self):
-        plant = standing(ground=shaped(lambda x, y: 0.2 if x > 0.55 else 0.0), up={0: 0.1}, x=-0.1, y=-0.1)
+        plant = standing(
+            ground=shaped(lambda x, y: 0.2 if x > 0.55 else 0.0), up={0: 0.1}, x=-0.1, y=-0.1
+        )
         run(plant, one_leg(0, (0.5, 0.0, 0.0)), 20)
         assert 0.549 < plant.feet[0][0] <= 0.55
         assert plant.whiskers[0] == 1  # ahead
@@ -194,17 +233,23 @@ class TestGround:
         assert plant.whiskers[0] == 0
 
     def test_a_low_riser_is_ridden_over(self):
-        plant = standing(ground=shaped(lambda x, y: 0.008 if x > 0.55 else 0.0), up={0: 0.002}, x=-0.1, y=-0.1)
+        plant = standing(
+            ground=shaped(lambda x, y: 0.008 if x > 0.55 else 0.0), up={0: 0.002}, x=-0.1, y=-0.1
+        )
         run(plant, one_leg(0, (0.5, 0.0, 0.0)), 15)
         assert plant.feet[0][:] == pytest.approx([0.60, 0.475, 0.008])
         assert STEP_UP > 0.008
 
     def test_a_foot_over_a_hole_finds_no_ground(self):
-        plant = standing(ground=shaped(lambda x, y: math.nan if x > 0.2 and y > 0.2 else 0.0), x=-0.1, y=-0.1)
+        plant = standing(
+            ground=shaped(lambda x, y: math.nan if x > 0.2 and y > 0.2 else 0.0), x=-0.1, y=-0.1
+        )
         assert plant.soles == [False, True, True, True]
         run(plant, one_leg(0, (0.0, 0.0, -0.8)), 30)
         assert not plant.soles[0]
-        assert plant.feet[0][2] == pytest.approx(TITAN.legs[0].z[0] - TITAN.overreach[2] + TITAN.height)
+        assert plant.feet[0][2] == pytest.approx(
+            TITAN.legs[0].z[0] - TITAN.overreach[2] + TITAN.height
+        )
 
     def test_ground_that_goes_away_under_a_foot_leaves_it_hanging_and_the_body_standing(self):
         plant = standing(x=-0.1, y=-0.1)
@@ -224,7 +269,8 @@ class TestGround:
         plant.replace_ground(shaped(lambda x, y: 0.05 if x > 0.2 and y > 0.2 else 0.0))
         run(plant, STILL, 2)
         assert plant.feet[0][2] == 0.05
-        assert plant.body[3] == pytest.approx(math.atan2(0.05, 0.95), rel=0.02)  # left side up, over the right feet
+        # left side up, over the right feet
+        assert plant.body[3] == pytest.approx(math.atan2(0.05, 0.95), rel=0.02)
         assert plant.soles == [True, False, True, True]
 
     def test_a_dug_hole_under_all_feet_is_a_long_fall(self):
@@ -255,7 +301,10 @@ class TestRestPose:
     def test_no_foot_is_below_the_ground_and_three_are_on_it_however_long_the_legs(self):
         rng = np.random.default_rng(5)
         for _ in range(500):
-            feet = [(*rng.uniform(-0.6, 0.6, 2), rng.uniform(-0.1, 0.1)) for _ in range(int(rng.integers(4, 9)))]
+            feet = [
+                (*rng.uniform(-0.6, 0.6, 2), rng.uniform(-0.1, 0.1))
+                for _ in range(int(rng.integers(4, 9)))
+            ]
             lengths = [float(v) for v in rng.uniform(-1.0, -0.8, len(feet))]
             laid = rest(feet, lengths, 0.0, 0.0, Rest(0.9, 0.0, 0.0))
             if laid is None or math.hypot(laid.lean_x, laid.lean_y) > 1.0:  # does not stand; lies
@@ -266,13 +315,23 @@ class TestRestPose:
             gaps = []
             for (x, y, ground), length in zip(feet, lengths, strict=True):
                 # the foot is above (x, y): its place across the body is free, its length is not
-                up = r[2] * x + r[5] * y  # of the way from the body to (x, y, ·) along the body's axis
+                # of the way from the body to (x, y, ·) along the body's axis
+                up = r[2] * x + r[5] * y
                 gaps.append(laid.z + (length - up) / r[8] - ground)
             assert min(gaps) >= -1e-9
             assert sorted(gaps)[2] < 1e-9
 
     def test_three_feet_that_do_not_surround_the_point_do_not_carry_it(self):
-        assert rest([(0.1, 0.1, 0.0), (0.5, 0.1, 0.0), (0.1, 0.5, 0.0)], [-0.9] * 3, 0.0, 0.0, Rest(0.9, 0.0, 0.0)) is None
+        assert (
+            rest(
+                [(0.1, 0.1, 0.0), (0.5, 0.1, 0.0), (0.1, 0.5, 0.0)],
+                [-0.9] * 3,
+                0.0,
+                0.0,
+                Rest(0.9, 0.0, 0.0),
+            )
+            is None
+        )
 
     def test_of_two_equal_ways_to_rest_it_stays_with_the_one_it_has(self):
         feet = [(0.5, 0.5, 0.1), (-0.5, 0.5, 0.0), (-0.5, -0.5, 0.1), (0.5, -0.5, 0.0)]
@@ -317,7 +376,7 @@ class TestTipping:
     EDGE = math.hypot(*TITAN.legs[0].centre)  # the diagonal of feet 1 and 3 passes under the origin
     OUT = (TITAN.legs[0].centre[1] / EDGE, TITAN.legs[0].centre[0] / EDGE)
 
-    def beyond(self, distance: float, up: float = 0.2) -> Plant:
+    def beyond(self, distance: float, up: float = 0.2) -> KinematicPlant:
         return standing(x=distance * self.OUT[0], y=distance * self.OUT[1], up={0: up})
 
     def test_five_millimetres_outside_the_polygon_it_stands(self):
@@ -329,7 +388,8 @@ class TestTipping:
 
     def test_it_falls_like_a_pendulum_slowly_at_first(self):
         plant = self.beyond(0.02)
-        plant.replace_ground(shaped(lambda x, y: math.nan if x > 0.2 and y > 0.2 else 0.0))  # nothing to catch it
+        # nothing to catch it
+        plant.replace_ground(shaped(lambda x, y: math.nan if x > 0.2 and y > 0.2 else 0.0))
         leans, ticks = [], 0
         while plant.state != "fallen" and ticks < 200:
             plant.move(STILL)
@@ -394,7 +454,9 @@ class TestTipping:
 
 
 class TestSliding:
-    def test_on_a_slope_steeper_than_friction_it_slides_down_and_on_a_lesser_one_its_feet_stay(self):
+    def test_on_a_slope_steeper_than_friction_it_slides_down_and_on_a_lesser_one_its_feet_stay(
+        self,
+    ):
         slope = shaped(lambda x, y: 0.2 * x)
         holds, slides = (standing(replace(TITAN, friction=mu), slope) for mu in (0.21, 0.15))
         stood = feet_of(holds)
@@ -415,15 +477,26 @@ class TestSliding:
         assert not any(plant.sense().slipping)
         gone = plant.body[0]
         assert 0.01 < gone < 0.1
-        assert [foot[0] - x for foot, x in zip(plant.feet, stood, strict=True)] == pytest.approx([gone] * 4)
+        assert [foot[0] - x for foot, x in zip(plant.feet, stood, strict=True)] == pytest.approx(
+            [gone] * 4
+        )
 
 
 class TestSensors:
     def test_noise_is_seeded_and_does_not_touch_the_machine(self):
         plants = [
-            Plant(TITAN, flat(), standing_stance(), noise=Noise(0.002, 0.01), rng=np.random.default_rng(7)) for _ in range(2)
+            KinematicPlant(
+                TITAN,
+                flat(),
+                standing_stance(),
+                noise=Noise(0.002, 0.01),
+                rng=np.random.default_rng(7),
+            )
+            for _ in range(2)
         ]
-        readings = [[(run(plant, all_legs(-0.05), 1).sense()) for _ in range(20)] for plant in plants]
+        readings = [
+            [(run(plant, all_legs(-0.05), 1).sense()) for _ in range(20)] for plant in plants
+        ]
         assert readings[0] == readings[1]
         assert plants[0].body[3] == 0.0
         spread = np.std([reading.feet_b[0][1] for reading in readings[0]])
@@ -431,14 +504,16 @@ class TestSensors:
 
     def test_noise_without_a_generator_is_refused(self):
         with pytest.raises(ValueError, match="seeded generator"):
-            Plant(TITAN, flat(), standing_stance(), noise=Noise(0.001))
+            KinematicPlant(TITAN, flat(), standing_stance(), noise=Noise(0.001))
 
 
 def standing_stance() -> Stance:
     return Stance((0.0, 0.0, TITAN.height, 0.0), tuple((*leg.centre, 0.0) for leg in TITAN.legs))
 
 
-@pytest.mark.parametrize("kind", ["flat", "slope", "rough", "stairs", "holes", "poles", "stepping_stones", "dem"])
+@pytest.mark.parametrize(
+    "kind", ["flat", "slope", "rough", "stairs", "holes", "poles", "stepping_stones", "dem"]
+)
 def test_a_thousand_random_ticks_are_the_same_twice_and_never_leave_the_physical(kind):
     ground = made(kind)
     first, second = (wild(ground, seed) for seed in (8, 8))
@@ -451,7 +526,9 @@ def wild(ground: Ground, seed: int) -> list[object]:
     velocities = np.zeros((4, 3))
     for tick in range(1000):
         if tick % 7 == 0:
-            velocities = rng.normal(0, 0.2, (4, 3)) * (rng.random((4, 1)) < 0.5) + rng.normal(0, 0.1, (1, 3))
+            velocities = rng.normal(0, 0.2, (4, 3)) * (rng.random((4, 1)) < 0.5) + rng.normal(
+                0, 0.1, (1, 3)
+            )
         if rng.random() < 0.01:
             plant.push(*(float(f) for f in rng.normal(0, 200, 2)), int(rng.integers(1, 20)))
         plant.move([tuple(v) for v in velocities.tolist()])
@@ -460,7 +537,9 @@ def wild(ground: Ground, seed: int) -> list[object]:
         if plant.state == "fallen":
             break
         for foot in plant.feet:
-            assert not foot[2] < ground.height_at(foot[0], foot[1]) - 1e-9, "a foot is below the ground"
+            assert not foot[2] < ground.height_at(foot[0], foot[1]) - 1e-9, (
+                "a foot is below the ground"
+            )
         happened.append((tuple(plant.body), feet_of(plant), sensing, plant.state))
     return happened
 
@@ -475,4 +554,5 @@ def test_a_walking_tick_takes_no_time_worth_mentioning():
         plant.move(forth)
         plant.sense()
 
-    assert min(timeit.repeat(two_ticks, number=200, repeat=5)) / 400 < 80e-6  # 20 µs on a quiet machine
+    # 20 µs on a quiet machine
+    assert min(timeit.repeat(two_ticks, number=200, repeat=5)) / 400 < 80e-6

@@ -12,12 +12,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planner.machine import load_machine
-from planner.trace.curve import KINDS as TRACE_KINDS
-from planner.trace.curve import trace_from
-from planner.vocabulary import Command
-from sim.ground import make_ground
-from sim.scenarios import (
+from walking_console.planner.robot.model import load_machine
+from walking_console.planner.trace.paths import KINDS as TRACE_KINDS
+from walking_console.planner.trace.paths import trace_from
+from walking_console.planner.types import Command
+from walking_console.sim.scenario import (
     DEFAULT_MODE,
     TRACES,
     Scenario,
@@ -28,6 +27,7 @@ from sim.scenarios import (
     scenario_names,
     with_settings,
 )
+from walking_console.sim.terrain.ground import make_ground
 
 TITAN = load_machine("titan3")
 CONTRACT = """
@@ -87,7 +87,11 @@ def flat(*changes: str) -> Scenario:
 def test_the_contracts_example_loads(tmp_path: Path) -> None:
     (tmp_path / "cross.toml").write_text(CONTRACT)
     scenario = load_scenario(str(tmp_path / "cross.toml"))
-    assert scenario.name == "cross" and scenario.mode == "predictive" and scenario.expect.time_max == 90.0
+    assert (
+        scenario.name == "cross"
+        and scenario.mode == "predictive"
+        and scenario.expect.time_max == 90.0
+    )
     assert scenario.gait_for(TITAN).duty_factor == 0.75
 
 
@@ -98,7 +102,14 @@ def test_every_shipped_scenario_loads_has_a_title_and_its_ground_can_be_made(nam
     assert scenario.name == name and scenario.title and "\n" not in scenario.title
     assert scenario.end.time or scenario.end.distance
     assert scenario.expect.model_dump(exclude_none=True)
-    ground = make_ground(scenario.terrain, machine, scenario.start_pose, scenario.seed, scenario.span(machine), scenario.base)
+    ground = make_ground(
+        scenario.terrain,
+        machine,
+        scenario.start_pose,
+        scenario.seed,
+        scenario.span(machine),
+        scenario.base,
+    )
     x_min, x_max, y_min, y_max = scenario.span(machine)
     assert ground.bounds[0] <= x_min - 2 and ground.bounds[1] >= x_max + 2
     assert ground.bounds[2] <= y_min - 2 and ground.bounds[3] >= y_max + 2
@@ -106,11 +117,15 @@ def test_every_shipped_scenario_loads_has_a_title_and_its_ground_can_be_made(nam
 
 def test_the_elevation_walk_is_long_hilly_and_takes_three_directions() -> None:
     scenario = load_scenario("dem")
-    ground = make_ground(scenario.terrain, TITAN, scenario.start_pose, scenario.seed, scenario.span(TITAN))
+    ground = make_ground(
+        scenario.terrain, TITAN, scenario.start_pose, scenario.seed, scenario.span(TITAN)
+    )
     x = y = walked = 0.0
     heights, directions = [ground.height_at(x, y)], set()
     while walked < (scenario.end.distance or 0.0):
-        entry = [entry for entry in scenario.drive if entry.t <= walked / scenario.drive[0].speed][-1]
+        entry = [entry for entry in scenario.drive if entry.t <= walked / scenario.drive[0].speed][
+            -1
+        ]
         angle = math.radians(entry.crab_angle_deg)
         x, y, walked = x + 0.1 * math.cos(angle), y + 0.1 * math.sin(angle), walked + 0.1
         heights.append(ground.height_at(x, y))
@@ -119,12 +134,19 @@ def test_the_elevation_walk_is_long_hilly_and_takes_three_directions() -> None:
 
 
 def test_scenarios_are_listed_with_their_titles() -> None:
-    assert [name for name, _ in list_scenarios()] == list(scenario_names()) and all(title for _, title in list_scenarios())
+    assert [name for name, _ in list_scenarios()] == list(scenario_names()) and all(
+        title for _, title in list_scenarios()
+    )
 
 
 def test_an_empty_scenario_stands_on_flat_ground() -> None:
     scenario = scenario_from({})
-    assert scenario.terrain.kind == "flat" and scenario.robot == "titan3" and not scenario.drive and scenario.mode == DEFAULT_MODE
+    assert (
+        scenario.terrain.kind == "flat"
+        and scenario.robot == "titan3"
+        and not scenario.drive
+        and scenario.mode == DEFAULT_MODE
+    )
     assert scenario.time_limit == 600.0
 
 
@@ -136,7 +158,9 @@ def test_a_dump_is_json_and_loads_back_equal(name: str) -> None:
 
 
 def test_integers_serve_as_floats() -> None:
-    scenario = scenario_from({"drive": [{"t": 0, "crab_angle_deg": 15, "speed": 1}], "end": {"time": 60}})
+    scenario = scenario_from(
+        {"drive": [{"t": 0, "crab_angle_deg": 15, "speed": 1}], "end": {"time": 60}}
+    )
     assert scenario.drive[0].speed == 1.0 and isinstance(scenario.drive[0].speed, float)
 
 
@@ -147,19 +171,32 @@ def test_a_drive_entry_is_a_command_in_radians() -> None:
 
 def test_gait_overrides_leave_the_rest_to_the_machine() -> None:
     gait = flat("gait={lift_up=0.05, smooth=false}").gait_for(TITAN)
-    assert (gait.duty_factor, gait.lift_up, gait.lift_down, gait.height, gait.smooth) == (0.8, 0.05, 0.2, 0.85, False)
+    assert (gait.duty_factor, gait.lift_up, gait.lift_down, gait.height, gait.smooth) == (
+        0.8,
+        0.05,
+        0.2,
+        0.85,
+        False,
+    )
 
 
-@pytest.mark.parametrize(("change", "says"), [("gait.height=2.0", "within the legs' reach"), ("gait.lift_up=0.3", "at least lift_up")])
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [("gait.height=2.0", "within the legs' reach"), ("gait.lift_up=0.3", "at least lift_up")],
+)
 def test_a_gait_the_machine_cannot_walk_is_refused(change: str, says: str) -> None:
     with pytest.raises(ScenarioError, match=says):
         flat(change).gait_for(TITAN)
 
 
-def test_paths_are_relative_to_the_scenario_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_paths_are_relative_to_the_scenario_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     (tmp_path / "deep").mkdir()
     np.save(tmp_path / "deep" / "dem.npy", np.zeros((80, 80)))
-    (tmp_path / "deep" / "mine.toml").write_text('robot = "../robot.toml"\n[terrain]\nfile = "dem.npy"\ncell = 0.05\n')
+    (tmp_path / "deep" / "mine.toml").write_text(
+        'robot = "../robot.toml"\n[terrain]\nfile = "dem.npy"\ncell = 0.05\n'
+    )
     monkeypatch.chdir(tmp_path)
     scenario = load_scenario("deep/mine.toml")
     assert scenario.terrain.kind == "file" and Path(scenario.robot).is_absolute()
@@ -168,7 +205,9 @@ def test_paths_are_relative_to_the_scenario_file(tmp_path: Path, monkeypatch: py
     assert make_ground(again.terrain, TITAN, base=again.base).heights.shape == (80, 80)
 
 
-@pytest.mark.parametrize("data", [{"terrain": {"file": "/etc/passwd"}}, {"robot": "/elsewhere/robot.toml"}])
+@pytest.mark.parametrize(
+    "data", [{"terrain": {"file": "/etc/passwd"}}, {"robot": "/elsewhere/robot.toml"}]
+)
 def test_a_scenario_that_came_without_a_file_cannot_name_files(data: dict[str, Any]) -> None:
     assert "cannot name files" in refusal(data)
 
@@ -179,13 +218,23 @@ def test_a_scenario_that_came_without_a_file_cannot_name_files(data: dict[str, A
 def test_unknown_names_are_answered_with_the_known_ones() -> None:
     with pytest.raises(ScenarioError, match="unknown scenario 'rivr'; there are: .*flat.*river"):
         load_scenario("rivr")
-    assert "unknown terrain kind 'rivr'; there are: flat, slope" in refusal({"terrain": {"kind": "rivr"}})
-    assert "unknown key 'sped' in drive.0; there are: t, crab_angle_deg, speed" in refusal({"drive": [{"sped": 1.0}]})
-    assert "unknown key 'wide' in terrain; there are: kind" in refusal({"terrain": {"kind": "river", "wide": 1}})
+    assert "unknown terrain kind 'rivr'; there are: flat, slope" in refusal(
+        {"terrain": {"kind": "rivr"}}
+    )
+    assert "unknown key 'sped' in drive.0; there are: t, crab_angle_deg, speed" in refusal(
+        {"drive": [{"sped": 1.0}]}
+    )
+    assert "unknown key 'wide' in terrain; there are: kind" in refusal(
+        {"terrain": {"kind": "river", "wide": 1}}
+    )
     assert "unknown key 'x' in expect; there are: distance_min" in refusal({"expect": {"x": 1}})
     assert "unknown key 'x' in noise; there are: position" in refusal({"noise": {"x": 1}})
-    assert "unknown key 'x' in trace; there are: " in refusal({"planner": "trace", "trace": {"kind": "sine", "x": 1}})
-    assert "unknown trace kind 'cirle'; there are: waypoints, line, " in refusal({"planner": "trace", "trace": {"kind": "cirle"}})
+    assert "unknown key 'x' in trace; there are: " in refusal(
+        {"planner": "trace", "trace": {"kind": "sine", "x": 1}}
+    )
+    assert "unknown trace kind 'cirle'; there are: waypoints, line, " in refusal(
+        {"planner": "trace", "trace": {"kind": "cirle"}}
+    )
     assert "unknown key 'tile'; there are: name, title" in refusal({"tile": "x"})
     assert "'crab' or 'trace', got 'goat'" in refusal({"planner": "goat"})
 
@@ -215,7 +264,10 @@ def test_numbers_are_numbers(bad: Any) -> None:
         ({"trace": {"kind": "sine"}}, 'needs planner = "trace"'),
         ({"planner": "trace", "trace": {"kind": "sine"}, "drive": [{}]}, "either"),
         ({"planner": "trace", "trace": {"kind": "waypoints"}}, "trace.waypoints is missing"),
-        ({"planner": "trace", "trace": {"kind": "waypoints", "waypoints": [[0, 0, 0], [1]]}}, "trace.waypoints.1"),
+        (
+            {"planner": "trace", "trace": {"kind": "waypoints", "waypoints": [[0, 0, 0], [1]]}},
+            "trace.waypoints.1",
+        ),
         ({"terrain": {"kind": "poles", "area": [1, 0, 0, 1]}}, "area must be"),
     ],
 )
@@ -223,7 +275,17 @@ def test_every_refusal_names_the_place(data: dict[str, Any], says: str) -> None:
     assert says in refusal(data)
 
 
-@pytest.mark.parametrize("text", ["title = ", "[drive", "a = 1\na = 2", "x = [1,\x00]", "x = " + "[" * 5000, "x = " + "1" * 5000])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "title = ",
+        "[drive",
+        "a = 1\na = 2",
+        "x = [1,\x00]",
+        "x = " + "[" * 5000,
+        "x = " + "1" * 5000,
+    ],
+)
 def test_malformed_files_are_refused_in_one_line(tmp_path: Path, text: str) -> None:
     path = tmp_path / "bad.toml"
     path.write_text(text)
@@ -240,7 +302,9 @@ def test_a_file_that_is_no_text_is_refused(tmp_path: Path) -> None:
 
 JSON = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
-    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
+    lambda inner: (
+        st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3)
+    ),
     max_leaves=8,
 )
 
@@ -270,7 +334,9 @@ def test_a_value_that_is_not_toml_is_a_string() -> None:
 
 def test_numeric_path_parts_index_arrays() -> None:
     assert flat("drive.0.speed=0.05").drive[0].speed == 0.05
-    assert "drive is an array of 1; index it with 0 to 0, not '1'" in refusal(None, "drive.1.speed=0.05")
+    assert "drive is an array of 1; index it with 0 to 0, not '1'" in refusal(
+        None, "drive.1.speed=0.05"
+    )
     assert "not '-1'" in refusal(None, "drive.-1.speed=0.05")
     assert "not 'x'" in refusal(None, "drive.x.speed=0.05")
 
@@ -324,7 +390,11 @@ def test_settings_leave_what_they_were_given_alone() -> None:
 
 
 @given(
-    st.lists(st.text(max_size=20) | st.from_regex(r"(drive|end|start|terrain)(\.[a-z0-9]{1,3}){0,2}=[\[\]{}0-9a-z.=,]{0,8}"), max_size=3)
+    st.lists(
+        st.text(max_size=20)
+        | st.from_regex(r"(drive|end|start|terrain)(\.[a-z0-9]{1,3}){0,2}=[\[\]{}0-9a-z.=,]{0,8}"),
+        max_size=3,
+    )
 )
 @settings(max_examples=200, deadline=None)
 def test_any_settings_make_a_scenario_or_are_refused(changes: list[str]) -> None:
@@ -344,7 +414,9 @@ def test_the_seed_option_is_a_setting_too() -> None:
 def test_a_straight_course_spans_its_distance() -> None:
     assert flat("end={distance=4.0}").span(TITAN) == pytest.approx((0.0, 4.0, 0.0, 0.0))
     assert flat("end={time=10.0}").span(TITAN) == pytest.approx((0.0, 0.8, 0.0, 0.0))
-    assert flat("end={time=10.0}", "start.yaw_deg=90", "start.x=1").span(TITAN) == pytest.approx((1.0, 1.0, 0.0, 0.8))
+    assert flat("end={time=10.0}", "start.yaw_deg=90", "start.x=1").span(TITAN) == pytest.approx(
+        (1.0, 1.0, 0.0, 0.8)
+    )
 
 
 def test_forward_and_back_span_the_way_forward() -> None:
@@ -354,22 +426,35 @@ def test_forward_and_back_span_the_way_forward() -> None:
 
 
 def test_a_command_beyond_any_gait_does_not_ask_for_a_larger_map() -> None:
-    assert flat("drive=[{speed=10}]", "end={time=100}").span(TITAN)[1] == pytest.approx(25.0)  # V (1-β)/β = 0.25 m/s
+    # V (1-β)/β = 0.25 m/s
+    assert flat("drive=[{speed=10}]", "end={time=100}").span(TITAN)[1] == pytest.approx(25.0)
 
 
-ENTRY = st.tuples(st.floats(1, 50), st.floats(-180, 180), st.floats(0, 0.1), st.sampled_from([0.0, 0.0, 5.0, -20.0]))
+ENTRY = st.tuples(
+    st.floats(1, 50),
+    st.floats(-180, 180),
+    st.floats(0, 0.1),
+    st.sampled_from([0.0, 0.0, 5.0, -20.0]),
+)
 
 
 @given(
     entries=st.lists(
-        st.tuples(st.floats(1, 50), st.floats(-180, 180), st.floats(0, 0.1), st.sampled_from([0.0, 0.0, 5.0, -20.0])),
+        st.tuples(
+            st.floats(1, 50),
+            st.floats(-180, 180),
+            st.floats(0, 0.1),
+            st.sampled_from([0.0, 0.0, 5.0, -20.0]),
+        ),
         min_size=1,
         max_size=4,
     ),
     slow=st.lists(st.floats(0, 1), min_size=4, max_size=4),
 )
 @settings(max_examples=100, deadline=None)
-def test_no_course_leaves_its_span_however_slowly_it_is_walked(entries: list[tuple[float, float, float, float]], slow: list[float]) -> None:
+def test_no_course_leaves_its_span_however_slowly_it_is_walked(
+    entries: list[tuple[float, float, float, float]], slow: list[float]
+) -> None:
     drive, t = [], 0.0
     for length, angle, speed, turn in entries:
         drive.append({"t": t, "crab_angle_deg": angle, "speed": speed, "turn_rate_deg_s": turn})
@@ -401,7 +486,9 @@ TRACE_SPECS = [
 
 @pytest.mark.parametrize("spec", TRACE_SPECS, ids=str)
 def test_no_trace_leaves_its_span(spec: dict[str, Any]) -> None:
-    scenario = scenario_from({"planner": "trace", "robot": "hexapod", "start": {"x": 1, "yaw_deg": 40}, "trace": spec})
+    scenario = scenario_from(
+        {"planner": "trace", "robot": "hexapod", "start": {"x": 1, "yaw_deg": 40}, "trace": spec}
+    )
     assert scenario.trace is not None
     drawn = trace_from(scenario.trace.model_dump(), 0.75, scenario.start_pose)
     x_min, x_max, y_min, y_max = scenario.span()

@@ -1,8 +1,10 @@
-"""Mode ``predictive`` beside ``paper``: from random postures, over random prohibited cells, over rivers, over every kind of ground.
+"""Mode ``predictive`` beside ``paper``: from random postures, over random prohibited cells, over
+rivers, over every kind of ground.
 
-Run: python -m tests.sweeps.foresight postures|cells|rivers|grounds [--count N] [--mode M], ``grounds`` also in pieces with
-[--kind K ...] [--first SEED], ``rivers`` with [--width W ...]. The results are kept in docs/predictive.md.
-One process, no simulation but for ``grounds``: plans are chained, each from the stance the one before ends in.
+Run: python -m tests.sweeps.foresight postures|cells|rivers|grounds [--count N] [--mode M],
+``grounds`` also in pieces with [--kind K ...] [--first SEED], ``rivers`` with [--width W ...]. The
+results are kept in docs/predictive.md. One process, no simulation but for ``grounds``: plans are
+chained, each from the stance the one before ends in.
 """
 
 from __future__ import annotations
@@ -16,15 +18,15 @@ from typing import Any
 
 import numpy as np
 
-from planner.crab.foresee import at_once
-from planner.crab.plan import plan_step
-from planner.crab.standard import standard_for, standard_stance
-from planner.machine import load_machine
-from planner.support import polygon_margin, support_polygon
-from planner.terrain import TerrainMap
-from planner.vocabulary import Blocked, Command, Gait, Stance, StepPlan
-from server.headless import run
-from sim.scenarios import load_scenario
+from walking_console.planner.crab.gait import standard_for, standard_stance
+from walking_console.planner.crab.planner import plan_step
+from walking_console.planner.crab.predictive_planner import at_once
+from walking_console.planner.robot.model import load_machine
+from walking_console.planner.stability import polygon_margin, support_polygon
+from walking_console.planner.terrain.map import TerrainMap
+from walking_console.planner.types import Blocked, Command, Gait, Stance, StepPlan
+from walking_console.sim.runs.runner import run
+from walking_console.sim.scenario import load_scenario
 
 TITAN = load_machine("titan3")
 CELL = 0.05  # m
@@ -34,7 +36,8 @@ STEPS_BACK, STEPS_AFTER = 60, 12  # steps given to find the standard walk, and t
 ANGLES = (0, 20, 45, 90, 150)  # degrees
 FRACTIONS = (0.3, 0.5, 0.8)
 FIRST_SEED = 9000  # not used for tuning
-CHANCE = ("rough", "holes", "footholds", "poles", "stepping_stones")  # kinds that the seed changes; on the others it moves the start
+# kinds that the seed changes; on the others it moves the start
+CHANCE = ("rough", "holes", "footholds", "poles", "stepping_stones")
 FIXED = ("slope", "stairs", "block", "river", "gap", "pit", "wave")
 STONES = 'kind="stepping_stones", size=0.15, spacing=0.15, jitter=0.0'
 GROUNDS: dict[str, tuple[str, float]] = {  # name: terrain, course in degrees
@@ -49,8 +52,12 @@ PLACES = 0.5  # m over which rivers are spread: longer than a cycle of the walk
 
 Planner = Callable[[Stance, Command, TerrainMap, Gait], StepPlan | Blocked]
 MODES: dict[str, Planner] = {
-    "paper": lambda stance, command, terrain, gait: plan_step(stance, command, terrain, TITAN, gait),
-    "predictive": lambda stance, command, terrain, gait: at_once(stance, command, terrain, TITAN, gait),
+    "paper": lambda stance, command, terrain, gait: plan_step(
+        stance, command, terrain, TITAN, gait
+    ),
+    "predictive": lambda stance, command, terrain, gait: at_once(
+        stance, command, terrain, TITAN, gait
+    ),
 }
 
 
@@ -62,8 +69,12 @@ def level(forbidden: np.ndarray, span: float) -> TerrainMap:
     return TerrainMap(np.zeros(forbidden.shape), forbidden, CELL, (-span / 2, -span / 2))
 
 
-def plans(mode: str, stance: Stance, command: Command, terrain: TerrainMap, gait: Gait) -> Iterator[tuple[StepPlan | Blocked, float]]:
-    """Steps from a stance on, with the seconds of processor time each took to plan; ends with the first ``Blocked``."""
+def plans(
+    mode: str, stance: Stance, command: Command, terrain: TerrainMap, gait: Gait
+) -> Iterator[tuple[StepPlan | Blocked, float]]:
+    """Steps from a stance on, with the seconds of processor time each took to plan; ends with the
+    first ``Blocked``.
+    """
     while True:
         began = time.process_time()
         plan = MODES[mode](stance, command, terrain, gait)
@@ -74,22 +85,33 @@ def plans(mode: str, stance: Stance, command: Command, terrain: TerrainMap, gait
 
 
 def postures(count: int, modes: tuple[str, ...] = tuple(MODES)) -> None:
-    """Reachable, statically stable postures on open ground, any α, β in [0.75, 0.9]: steps until every margin is s0."""
+    """Reachable, statically stable postures on open ground, any α, β in [0.75, 0.9]: steps until
+    every margin is s0.
+    """
     span = 40.0
     terrain = level(np.zeros((800, 800), dtype=bool), span)
-    print("| mode | postures | reach the standard walk | within 16 steps | median | 95 % | most | longest run with g = 0 |")
+    print(
+        "| mode | postures | reach the standard walk | within 16 steps | median | 95 % | most | longest run with g = 0 |"
+    )
     print("|---|---|---|---|---|---|---|---|")
     for mode in modes:
         rng = np.random.default_rng(FIRST_SEED)
         taken, still_most = [], 0
         for _ in range(count):
-            gait, command = gait_of(rng.uniform(0.75, 0.9)), Command(rng.uniform(-math.pi, math.pi), 0.08)
+            gait, command = (
+                gait_of(rng.uniform(0.75, 0.9)),
+                Command(rng.uniform(-math.pi, math.pi), 0.08),
+            )
             steps, still = steps_to_standard(mode, random_stance(rng), command, terrain, gait)
             taken.append(steps)
             still_most = max(still_most, still)
         came = sorted(steps for steps in taken if steps is not None)
         soon = sum(steps <= 16 for steps in came) / count
-        figures = [came[len(came) // 2], came[min(len(came) - 1, math.ceil(0.95 * len(came)))], came[-1]]
+        figures = [
+            came[len(came) // 2],
+            came[min(len(came) - 1, math.ceil(0.95 * len(came)))],
+            came[-1],
+        ]
         row = [mode, count, f"{len(came) / count:.2%}", f"{soon:.2%}", *figures, still_most]
         print("| " + " | ".join(map(str, row)) + " |", flush=True)
 
@@ -102,15 +124,21 @@ def random_stance(rng: np.random.Generator) -> Stance:
             return Stance((0.0, 0.0, TITAN.height, 0.0), feet)
 
 
-def steps_to_standard(mode: str, stance: Stance, command: Command, terrain: TerrainMap, gait: Gait) -> tuple[int | None, int]:
-    """Steps before every margin is s0, None for never; and the longest run of steps in which the body stood still."""
+def steps_to_standard(
+    mode: str, stance: Stance, command: Command, terrain: TerrainMap, gait: Gait
+) -> tuple[int | None, int]:
+    """Steps before every margin is s0, None for never; and the longest run of steps in which the
+    body stood still.
+    """
     good = still = still_most = 0
     for index, (plan, _) in enumerate(plans(mode, stance, command, terrain, gait)):
         if isinstance(plan, Blocked):
             return None, still_most
         still = still + 1 if plan.shift < STILL else 0
         still_most = max(still_most, still)
-        standard = plan.swing and plan.margin_min >= plan.standard_margin - LOWER and plan.shift > STILL
+        standard = (
+            plan.swing and plan.margin_min >= plan.standard_margin - LOWER and plan.shift > STILL
+        )
         good = good + 1 if standard else 0
         if good == STEPS_AFTER:
             return index + 1 - good, still_most
@@ -120,9 +148,13 @@ def steps_to_standard(mode: str, stance: Stance, command: Command, terrain: Terr
 
 
 def cells(count: int, modes: tuple[str, ...] = tuple(MODES)) -> None:
-    """A fraction of 5 cm cells prohibited at random: way per step against level open ground, 100 steps a walk."""
+    """A fraction of 5 cm cells prohibited at random: way per step against level open ground, 100
+    steps a walk.
+    """
     angles = " | ".join(f"{angle}°" for angle in ANGLES)
-    print(f"| prohibited | mode | {angles} | mean | worst walk | least margin, mm | stuck | planning, ms: median, 95 % |")
+    print(
+        f"| prohibited | mode | {angles} | mean | worst walk | least margin, mm | stuck | planning, ms: median, 95 % |"
+    )
     print("|---" * (len(ANGLES) + 7) + "|")
     for fraction in FRACTIONS:
         for mode in modes:
@@ -138,12 +170,25 @@ def cells(count: int, modes: tuple[str, ...] = tuple(MODES)) -> None:
             means = [statistics.mean(shares[angle]) for angle in ANGLES]
             every = [share for walks in shares.values() for share in walks]
             clock = f"{1e3 * statistics.median(seconds):.2f}, {1e3 * float(np.percentile(seconds, 95)):.1f}"
-            row = [f"{fraction:.0%}", mode, *(f"{mean:.1%}" for mean in means), f"**{statistics.mean(every):.1%}**", f"{min(every):.1%}"]
-            print("| " + " | ".join([*row, f"{1e3 * margin:.1f}", str(stuck), clock]) + " |", flush=True)
+            row = [
+                f"{fraction:.0%}",
+                mode,
+                *(f"{mean:.1%}" for mean in means),
+                f"**{statistics.mean(every):.1%}**",
+                f"{min(every):.1%}",
+            ]
+            print(
+                "| " + " | ".join([*row, f"{1e3 * margin:.1f}", str(stuck), clock]) + " |",
+                flush=True,
+            )
 
 
-def cell_walk(mode: str, degrees: float, fraction: float, seed: int, steps: int = 100) -> tuple[float, float, int, list[float]]:
-    """Share of the standard way, least planned margin, 1 when it got stuck, and the seconds of each plan."""
+def cell_walk(
+    mode: str, degrees: float, fraction: float, seed: int, steps: int = 100
+) -> tuple[float, float, int, list[float]]:
+    """Share of the standard way, least planned margin, 1 when it got stuck, and the seconds of each
+    plan.
+    """
     span, gait, command = 44.0, gait_of(), Command(math.radians(degrees), 0.08)
     stance = standard_stance(TITAN, gait, command.crab_angle, 0.0, 0.0, 0.0, lambda x, y: 0.0)
     forbidden = np.random.default_rng(seed).random((round(span / CELL),) * 2) < fraction
@@ -166,14 +211,24 @@ def cell_walk(mode: str, degrees: float, fraction: float, seed: int, steps: int 
     return way / steps / (standard.stride / (4 * gait.duty_factor)), margin, stuck, seconds
 
 
-def rivers(count: int, modes: tuple[str, ...] = tuple(MODES), widths: tuple[float, ...] = WIDTHS) -> None:
+def rivers(
+    count: int, modes: tuple[str, ...] = tuple(MODES), widths: tuple[float, ...] = WIDTHS
+) -> None:
     """Bottomless strips across the way, at ``count`` places each: how many are crossed."""
     print("| width, m | course | " + " | ".join(modes) + " |")
     print("|---|---|" + "---|" * len(modes))
     for width in widths:
         for degrees in (0, 20, 90):
-            crossed = [sum(crosses(mode, width, 0.9 + PLACES * k / count, degrees) for k in range(count)) for mode in modes]
-            print(f"| {width} | {degrees}° | " + " | ".join(f"{n} of {count}" for n in crossed) + " |", flush=True)
+            crossed = [
+                sum(crosses(mode, width, 0.9 + PLACES * k / count, degrees) for k in range(count))
+                for mode in modes
+            ]
+            print(
+                f"| {width} | {degrees}° | "
+                + " | ".join(f"{n} of {count}" for n in crossed)
+                + " |",
+                flush=True,
+            )
 
 
 def crosses(mode: str, width: float, at: float, degrees: float) -> bool:
@@ -190,9 +245,18 @@ def crosses(mode: str, width: float, at: float, degrees: float) -> bool:
     return False
 
 
-def grounds(count: int, modes: tuple[str, ...] = tuple(MODES), kinds: tuple[str, ...] = tuple(GROUNDS), first: int = FIRST_SEED) -> None:
-    """Every generated kind at difficulty 0.8, and narrow stones, simulated: walks of 4 m that come to their end with nothing amiss."""
-    print("| ground | mode | seeds | fine | m/s | least margin, mm | times real time | what ended the others |")
+def grounds(
+    count: int,
+    modes: tuple[str, ...] = tuple(MODES),
+    kinds: tuple[str, ...] = tuple(GROUNDS),
+    first: int = FIRST_SEED,
+) -> None:
+    """Every generated kind at difficulty 0.8, and narrow stones, simulated: walks of 4 m that come
+    to their end with nothing amiss.
+    """
+    print(
+        "| ground | mode | seeds | fine | m/s | least margin, mm | times real time | what ended the others |"
+    )
     print("|---" * 8 + "|")
     for kind in kinds:
         for mode in modes:
@@ -208,13 +272,30 @@ def grounds(count: int, modes: tuple[str, ...] = tuple(MODES), kinds: tuple[str,
                 else:
                     why.setdefault(reason, []).append(seed)
             pace = f"{statistics.median(speeds):.3f}" if speeds else "–"
-            reasons = "; ".join(f"{len(seeds)} x {reason} (seed {seeds[0]})" for reason, seeds in sorted(why.items(), key=_most)[:4])
-            row = [kind, mode, f"{first}–{first + count - 1}", f"{len(speeds)} of {count}", pace, f"{1e3 * margin:.1f}"]
-            print("| " + " | ".join([*row, f"{simulated / (time.process_time() - began):.0f}", reasons]) + " |", flush=True)
+            reasons = "; ".join(
+                f"{len(seeds)} x {reason} (seed {seeds[0]})"
+                for reason, seeds in sorted(why.items(), key=_most)[:4]
+            )
+            row = [
+                kind,
+                mode,
+                f"{first}–{first + count - 1}",
+                f"{len(speeds)} of {count}",
+                pace,
+                f"{1e3 * margin:.1f}",
+            ]
+            print(
+                "| "
+                + " | ".join([*row, f"{simulated / (time.process_time() - began):.0f}", reasons])
+                + " |",
+                flush=True,
+            )
 
 
 def settings_for(kind: str, mode: str, seed: int) -> list[str]:
-    """One walk of ``grounds``: where the seed changes nothing in the ground it moves the start back along the course."""
+    """One walk of ``grounds``: where the seed changes nothing in the ground it moves the start back
+    along the course.
+    """
     terrain, degrees = GROUNDS[kind]
     back = 0.0 if kind in CHANCE else START_STEP * (seed % 50)
     aside = ASIDE * back if terrain == STONES else 0.0
@@ -258,10 +339,22 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("sweep", choices=SWEEPS)
     parser.add_argument("--count", type=int, help="postures, seeds or places")
-    parser.add_argument("--mode", choices=MODES, action="append", help="only this mode; may be given more than once")
-    parser.add_argument("--kind", choices=GROUNDS, action="append", help="grounds: only this one; may be given more than once")
+    parser.add_argument(
+        "--mode", choices=MODES, action="append", help="only this mode; may be given more than once"
+    )
+    parser.add_argument(
+        "--kind",
+        choices=GROUNDS,
+        action="append",
+        help="grounds: only this one; may be given more than once",
+    )
     parser.add_argument("--first", type=int, default=FIRST_SEED, help="grounds: the first seed")
-    parser.add_argument("--width", type=float, action="append", help="rivers: only this one, m; may be given more than once")
+    parser.add_argument(
+        "--width",
+        type=float,
+        action="append",
+        help="rivers: only this one, m; may be given more than once",
+    )
     given = parser.parse_args()
     sweep, count = SWEEPS[given.sweep]
     pieces: dict[str, Any] = {"modes": tuple(given.mode or MODES)}

@@ -1,10 +1,13 @@
-"""Random hands on the joystick, circles and turns on the spot, through the real console, every tick looked at.
+"""Random hands on the joystick, circles and turns on the spot, through the real console, every tick
+looked at.
 
-Run: python -m tests.sweeps.hands hands|circles [--ground flat|cells] [--count N] [--from SEED] [--seconds S] [--out FILE]
+Run: python -m tests.sweeps.hands hands|circles [--ground flat|cells] [--count N] [--from SEED]
+[--seconds S] [--out FILE]
      python -m tests.sweeps.hands answers
      python -m tests.sweeps.hands join FILE ...
-One process. ``--out`` appends one line of JSON a walk and leaves out what is in the file already: a sweep may be broken off
-and begun again, in pieces; ``join`` makes one table of them. The results are kept in docs/predictive.md.
+One process. ``--out`` appends one line of JSON a walk and leaves out what is in the file already: a
+sweep may be broken off and begun again, in pieces; ``join`` makes one table of them. The results
+are kept in docs/predictive.md.
 """
 
 from __future__ import annotations
@@ -19,14 +22,17 @@ from typing import Any
 
 import numpy as np
 
-from planner.support import MARGIN_SLACK
-from planner.vocabulary import TICK, Command
-from server.console import Console, prepare
-from sim.scenarios import load_scenario
+from walking_console.planner.stability import MARGIN_SLACK
+from walking_console.planner.types import TICK, Command
+from walking_console.sim.scenario import load_scenario
+from walking_console.sim.simulation import Simulation, prepare
 
 FIRST_SEED = 52_000  # not used for tuning
 FORBIDDEN = 0.3  # of the 5 cm cells, ground "cells"
-GROUNDS = {"flat": 'terrain={kind="flat"}', "cells": f'terrain={{kind="holes", fraction={FORBIDDEN}, cell=0.05}}'}
+GROUNDS = {
+    "flat": 'terrain={kind="flat"}',
+    "cells": f'terrain={{kind="holes", fraction={FORBIDDEN}, cell=0.05}}',
+}
 MAP = 12.0  # m the map reaches at least beyond the start, to every side
 BOUND = 8.0  # m from the start, in x or y, beyond which the hand steers back
 
@@ -35,10 +41,20 @@ TURN_MAX = 0.3  # rad/s; twice the page's full turn
 CHANGE = (0.2, 5.0)  # s between changes of a hand
 HOMEWARD = 20.0  # s of one steady command after the last change: it must walk yet
 
-MOVES = {"any": 0.2, "straight": 0.2, "spot": 0.1, "release": 0.1, "reverse": 0.1, "speed": 0.1, "turn": 0.1, "tremble": 0.1}
+MOVES = {
+    "any": 0.2,
+    "straight": 0.2,
+    "spot": 0.1,
+    "release": 0.1,
+    "reverse": 0.1,
+    "speed": 0.1,
+    "turn": 0.1,
+    "tremble": 0.1,
+}
 MOVED = 0.005  # m of body path, turning counted by ρ: the body has moved
 STANDS = 8.0  # s; a body commanded to move that has not for so long is dead-locked
-CREEPS = 0.01  # m/s, turning counted by ρ; a command that asks for less does not say whether the body is stuck
+# m/s, turning counted by ρ; a command that asks for less does not say whether the body is stuck
+CREEPS = 0.01
 BLOCKED = 0.5  # s; a hand that stays gets no other answer: on such ground that is a dead-lock too
 FEET_STAND = 1e-9  # m a standing foot may move in a tick
 
@@ -48,7 +64,13 @@ CIRCLE_SPEED, SPOT_RATE = 0.08, math.radians(8.0)  # m/s, rad/s
 STOPS = range(3, 330, 9)  # ticks into a straight walk at which it is stopped
 RAMP = 10  # ticks in which a stick is pushed all the way
 ANSWERED = 2e-4  # m of body path, turning counted by ρ: seen to move
-COURSES = (*((angle, 0.08, 0.0) for angle in range(-180, 180, 45)), (0, 0.0, 0.1), (0, 0.0, -0.1), (17, 0.08, 0.08), (-115, 0.08, -0.08))
+COURSES = (
+    *((angle, 0.08, 0.0) for angle in range(-180, 180, 45)),
+    (0, 0.0, 0.1),
+    (0, 0.0, -0.1),
+    (17, 0.08, 0.08),
+    (-115, 0.08, -0.08),
+)
 PATIENCE = 4.0  # times as long as the commanded pace would take
 
 
@@ -89,7 +111,7 @@ class Watch:
 class Watched:
     """A console whose every tick is looked at."""
 
-    def __init__(self, console: Console) -> None:
+    def __init__(self, console: Simulation) -> None:
         self.console, self.seen = console, Watch()
         self._anchor = self._pose()
         self._standing = self._blocked = 0  # ticks
@@ -122,7 +144,10 @@ class Watched:
             seen.falls = 1
         carrying = walk.carrying()
         margin, polygon = console.margins(carrying)
-        seen.margin, seen.polygon_margin = min(seen.margin, margin), min(seen.polygon_margin, polygon)
+        seen.margin, seen.polygon_margin = (
+            min(seen.margin, margin),
+            min(seen.polygon_margin, polygon),
+        )
         self._look_at_feet(carrying)
         self._look_at_body()
 
@@ -132,7 +157,9 @@ class Watched:
         feet = [tuple(foot) for foot in plant.feet]
         for foot, before, stands, stood in zip(feet, self._feet, stand, self._stood, strict=True):
             if stands and stood:
-                seen.feet_moved = max(seen.feet_moved, *(abs(a - b) for a, b in zip(foot, before, strict=True)))
+                seen.feet_moved = max(
+                    seen.feet_moved, *(abs(a - b) for a, b in zip(foot, before, strict=True))
+                )
             elif stands:
                 cell = console.ground.cell_at(foot[0], foot[1])
                 seen.forbidden_steps += cell is None or bool(console.true_forbidden[cell])
@@ -141,30 +168,47 @@ class Watched:
     def _look_at_body(self) -> None:
         console, seen = self.console, self.seen
         x, y, yaw = self._pose()
-        away = math.hypot(x - self._anchor[0], y - self._anchor[1], console.world.machine.yaw_length * (yaw - self._anchor[2]))
+        away = math.hypot(
+            x - self._anchor[0],
+            y - self._anchor[1],
+            console.world.machine.yaw_length * (yaw - self._anchor[2]),
+        )
         if away >= MOVED:
             self._anchor, self._standing = (x, y, yaw), 0
-        elif self._pace() >= CREEPS:  # a release ends no dead-lock: time goes on counting when it is driven again
+        # a release ends no dead-lock: time goes on counting when it is driven again
+        elif self._pace() >= CREEPS:
             self._standing += 1
             if self._standing * TICK > seen.stood:
                 seen.stood, seen.stood_at = self._standing * TICK, seen.seconds
-        self._blocked = self._blocked + 1 if console.walk.blocked is not None and not console.command.holds else 0
+        self._blocked = (
+            self._blocked + 1
+            if console.walk.blocked is not None and not console.command.holds
+            else 0
+        )
         if self._blocked * TICK > seen.blocked:
             seen.blocked, seen.reason = self._blocked * TICK, console.reason
 
 
-def console_on(ground: str, seed: int, robot: str, duty_factor: float) -> Console:
+def console_on(ground: str, seed: int, robot: str, duty_factor: float) -> Simulation:
     """The console on ground that reaches far enough, as the page has it but for the clock."""
     wide = "drive=[{t=0.0, speed=0.1, turn_rate_deg_s=0.1}]", f"end={{time=1000.0, distance={MAP}}}"
-    given = f"robot={robot}", f"gait.duty_factor={duty_factor}", GROUNDS[ground], f"seed={seed}", "expect={}"
-    return Console(prepare(load_scenario("flat", [*given, *wide])))
+    given = (
+        f"robot={robot}",
+        f"gait.duty_factor={duty_factor}",
+        GROUNDS[ground],
+        f"seed={seed}",
+        "expect={}",
+    )
+    return Simulation(prepare(load_scenario("flat", [*given, *wide])))
 
 
 # hands
 
 
 def hand(rng: np.random.Generator) -> Iterator[tuple[float, Command]]:
-    """What a restless hand does to both axes: seconds it stays, and where the stick is then. Without end."""
+    """What a restless hand does to both axes: seconds it stays, and where the stick is then.
+    Without end.
+    """
     command = Command()
     while True:
         stays = float(rng.uniform(*CHANGE))
@@ -173,8 +217,14 @@ def hand(rng: np.random.Generator) -> Iterator[tuple[float, Command]]:
 
 
 def _moved(rng: np.random.Generator, now: Command) -> Command:
-    """The next place of the stick: anywhere, or as hands do: let go, turn about, only faster or slower, a little to one side."""
-    angle, speed, turn = rng.uniform(-math.pi, math.pi), rng.uniform(0.0, SPEED_MAX), rng.uniform(-TURN_MAX, TURN_MAX)
+    """The next place of the stick: anywhere, or as hands do: let go, turn about, only faster or
+    slower, a little to one side.
+    """
+    angle, speed, turn = (
+        rng.uniform(-math.pi, math.pi),
+        rng.uniform(0.0, SPEED_MAX),
+        rng.uniform(-TURN_MAX, TURN_MAX),
+    )
     kind = rng.choice(list(MOVES), p=list(MOVES.values()))
     if kind == "straight":
         turn = 0.0
@@ -192,11 +242,15 @@ def _moved(rng: np.random.Generator, now: Command) -> Command:
     elif kind == "turn":
         angle, speed = now.crab_angle, now.speed
     elif kind == "tremble":
-        angle, speed, turn = now.crab_angle + rng.normal(0.0, 0.1), now.speed * rng.uniform(0.8, 1.2), now.turn_rate * rng.uniform(0.8, 1.2)
+        angle, speed, turn = (
+            now.crab_angle + rng.normal(0.0, 0.1),
+            now.speed * rng.uniform(0.8, 1.2),
+            now.turn_rate * rng.uniform(0.8, 1.2),
+        )
     return Command(float(math.remainder(angle, 2 * math.pi)), float(speed), float(turn))
 
 
-def homeward(console: Console, command: Command) -> Command:
+def homeward(console: Simulation, command: Command) -> Command:
     """The hand looks where it drives: near the edge of the map it steers back to the middle."""
     x, y, *_, yaw = console.plant.body
     if command.speed == 0.0 or max(abs(x), abs(y)) <= BOUND:
@@ -204,8 +258,12 @@ def homeward(console: Console, command: Command) -> Command:
     return Command(math.remainder(math.atan2(-y, -x) - yaw, 2 * math.pi), command.speed)
 
 
-def hand_walk(seed: int, ground: str, seconds: float, robot: str = "titan3", duty_factor: float = 0.8) -> tuple[Watch, float]:
-    """One hand for so long, then one steady command: what was seen, and how far it got in the end, m."""
+def hand_walk(
+    seed: int, ground: str, seconds: float, robot: str = "titan3", duty_factor: float = 0.8
+) -> tuple[Watch, float]:
+    """One hand for so long, then one steady command: what was seen, and how far it got in the end,
+    m.
+    """
     watched = Watched(console_on(ground, seed, robot, duty_factor))
     console, positions, left = watched.console, hand(np.random.default_rng([seed, 1])), 0
     for _ in range(round(seconds / TICK)):
@@ -218,7 +276,9 @@ def hand_walk(seed: int, ground: str, seconds: float, robot: str = "titan3", dut
         if watched.seen.falls:
             return watched.seen, 0.0
     x, y = console.plant.body[:2]
-    watched.order(Command(math.remainder(math.atan2(-y, -x) - console.plant.body[5], 2 * math.pi), 0.08))
+    watched.order(
+        Command(math.remainder(math.atan2(-y, -x) - console.plant.body[5], 2 * math.pi), 0.08)
+    )
     for _ in range(round(HOMEWARD / TICK)):
         watched.tick()
     return watched.seen, math.hypot(console.plant.body[0] - x, console.plant.body[1] - y)
@@ -228,9 +288,17 @@ def hand_walk(seed: int, ground: str, seconds: float, robot: str = "titan3", dut
 
 
 def circle_walk(
-    radius: float, degrees: float, sense: int, ground: str, seed: int, robot: str = "titan3", duty_factor: float = 0.8
+    radius: float,
+    degrees: float,
+    sense: int,
+    ground: str,
+    seed: int,
+    robot: str = "titan3",
+    duty_factor: float = 0.8,
 ) -> Watch:
-    """Once round at one crab angle (radius 0: on the spot) until the torso has turned by 360 degrees."""
+    """Once round at one crab angle (radius 0: on the spot) until the torso has turned by 360
+    degrees.
+    """
     watched = Watched(console_on(ground, seed, robot, duty_factor))
     speed, rate = (CIRCLE_SPEED, CIRCLE_SPEED / radius) if radius else (0.0, SPOT_RATE)
     start = watched.console.plant.body[5]
@@ -246,23 +314,41 @@ def circle_walk(
 
 
 def answers(given: argparse.Namespace) -> None:
-    """A walk stopped at every phase, all feet down, then the stick pushed some way: how long until the body moves."""
-    print("| ground | stick | pushes | within 0.1 s | within 0.5 s | within 1 s | most, s | feet first |")
+    """A walk stopped at every phase, all feet down, then the stick pushed some way: how long until
+    the body moves.
+    """
+    print(
+        "| ground | stick | pushes | within 0.1 s | within 0.5 s | within 1 s | most, s | feet first |"
+    )
     print("|---" * 8 + "|")
     for ground in given.ground:
         for ramp, how in ((1, "at once"), (RAMP, f"within {RAMP * TICK:g} s")):
             times, waits = [], 0
             for stop in STOPS:
                 for degrees, speed, turn in COURSES:
-                    seconds, moves = answer(ground, stop, Command(math.radians(degrees), speed, turn), ramp)
+                    seconds, moves = answer(
+                        ground, stop, Command(math.radians(degrees), speed, turn), ramp
+                    )
                     times.append(seconds)
                     waits += not moves
-            shares = [f"{sum(t <= limit + 1e-9 for t in times) / len(times):.1%}" for limit in (0.1, 0.5, 1.0)]
-            print("| " + " | ".join([ground, how, str(len(times)), *shares, f"{max(times):.2f}", str(waits)]) + " |", flush=True)
+            shares = [
+                f"{sum(t <= limit + 1e-9 for t in times) / len(times):.1%}"
+                for limit in (0.1, 0.5, 1.0)
+            ]
+            print(
+                "| "
+                + " | ".join(
+                    [ground, how, str(len(times)), *shares, f"{max(times):.2f}", str(waits)]
+                )
+                + " |",
+                flush=True,
+            )
 
 
 def answer(ground: str, stop: int, command: Command, ramp: int) -> tuple[float, bool]:
-    """Seconds until the body moves, and whether it does so in its first step (else a foot has to be put elsewhere first)."""
+    """Seconds until the body moves, and whether it does so in its first step (else a foot has to be
+    put elsewhere first).
+    """
     console = console_on(ground, FIRST_SEED, "titan3", 0.8)
     console.order(Command(0.0, 0.08))
     for _ in range(stop):
@@ -277,7 +363,10 @@ def answer(ground: str, stop: int, command: Command, ramp: int) -> tuple[float, 
         console.order(Command(command.crab_angle, share * command.speed, share * command.turn_rate))
         console.tick()
         body = console.plant.body
-        if math.hypot(body[0] - x, body[1] - y, console.world.machine.yaw_length * (body[5] - yaw)) > ANSWERED:
+        if (
+            math.hypot(body[0] - x, body[1] - y, console.world.machine.yaw_length * (body[5] - yaw))
+            > ANSWERED
+        ):
             break
     return ticks * TICK, console.walk.steps_begun == begun + 1
 
@@ -291,7 +380,9 @@ def hands(given: argparse.Namespace) -> None:
             key = f"hand {given.robot} {given.beta} {ground} {given.seconds:g} s seed {seed}"
             if given.done(key):
                 seen, last = hand_walk(seed, ground, given.seconds, given.robot, given.beta)
-                given.keep(key, seen, {"sweep": "hands", "ground": ground, "seed": seed, "last": last})
+                given.keep(
+                    key, seen, {"sweep": "hands", "ground": ground, "seed": seed, "last": last}
+                )
 
 
 def circles(given: argparse.Namespace) -> None:
@@ -302,8 +393,15 @@ def circles(given: argparse.Namespace) -> None:
                     key = f"circle {given.robot} {given.beta} {ground} {radius:g} m {degrees}° {'left' if sense > 0 else 'right'}"
                     if given.done(key):
                         seed = given.first + round(10 * radius) + degrees % 360 * 100 + (sense > 0)
-                        seen = circle_walk(radius, degrees, sense, ground, seed, given.robot, given.beta)
-                        told = {"sweep": "circles", "ground": ground, "radius": radius, "round": math.degrees(abs(seen.yaw))}
+                        seen = circle_walk(
+                            radius, degrees, sense, ground, seed, given.robot, given.beta
+                        )
+                        told = {
+                            "sweep": "circles",
+                            "ground": ground,
+                            "radius": radius,
+                            "round": math.degrees(abs(seen.yaw)),
+                        }
                         given.keep(key, seen, told)
 
 
@@ -350,7 +448,13 @@ def table(rows: list[dict[str, Any]]) -> None:
     groups: dict[tuple[str, ...], list[dict[str, Any]]] = {}
     for row in {row["key"]: row for row in rows}.values():
         robot, beta = row["key"].split()[1:3]
-        what = "random hands" if row["sweep"] == "hands" else f"circle of {row['radius']:g} m" if row["radius"] else "on the spot"
+        what = (
+            "random hands"
+            if row["sweep"] == "hands"
+            else f"circle of {row['radius']:g} m"
+            if row["radius"]
+            else "on the spot"
+        )
         groups.setdefault((robot, beta, row["ground"], what), []).append(row)
     print("| robot, β | ground | what | walks | with nothing amiss | simulated, min | steps | falls | forbidden steps | least margin, mm |"
           " longest stand while driven, s: median, most | longest blocked, s |")  # fmt: skip
@@ -371,14 +475,22 @@ def table(rows: list[dict[str, Any]]) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("sweep", choices=("hands", "circles", "answers", "join"))
     parser.add_argument("files", nargs="*", type=Path, help="for join")
     parser.add_argument("--ground", nargs="+", choices=GROUNDS, default=list(GROUNDS))
     parser.add_argument("--count", type=int, default=200, help="hands")
     parser.add_argument("--from", dest="first", type=int, default=FIRST_SEED, help="the first seed")
     parser.add_argument("--seconds", type=float, default=300.0, help="of each hand")
-    parser.add_argument("--radius", nargs="+", type=float, default=[0.0, *RADII], help="of the circles, m; 0 is on the spot")
+    parser.add_argument(
+        "--radius",
+        nargs="+",
+        type=float,
+        default=[0.0, *RADII],
+        help="of the circles, m; 0 is on the spot",
+    )
     parser.add_argument("--robot", default="titan3")
     parser.add_argument("--beta", type=float, default=0.8)
     parser.add_argument("--out", type=Path)

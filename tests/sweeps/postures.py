@@ -1,6 +1,8 @@
-"""Back into the standard layout from random standing postures: how often, how long, with what margin.
+"""Back into the standard layout from random standing postures: how often, how long, with what
+margin.
 
-``python -m tests.sweeps.postures --count 1000`` prints the table of docs/postures.md. Seeds from 9000 on.
+``python -m tests.sweeps.postures --count 1000`` prints the table of docs/postures.md. Seeds from
+9000 on.
 """
 
 from __future__ import annotations
@@ -12,13 +14,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from planner.brain import start_stance
-from planner.lookahead import in_one_go
-from planner.machine import Machine, load_machine
-from planner.poses import height_limits, regroup, standing_height
-from planner.support import polygon_margin, support_polygon
-from planner.terrain import TerrainMap, classify
-from planner.vocabulary import Blocked, Gait, Stance
+from walking_console.planner.motion.postures import height_limits, regroup, standing_height
+from walking_console.planner.registry import start_stance
+from walking_console.planner.robot.model import Machine, load_machine
+from walking_console.planner.search import in_one_go
+from walking_console.planner.stability import polygon_margin, support_polygon
+from walking_console.planner.terrain.map import TerrainMap, classify
+from walking_console.planner.types import Blocked, Gait, Stance
 
 MACHINES = {"titan3": "crab", "hexapod": "trace", "phantomx": "trace"}
 GROUNDS = ("level", "30 % forbidden", "50 % forbidden", "80 % forbidden", "rough")
@@ -28,11 +30,15 @@ SEED = 9000
 
 def gait_of(machine: Machine, duty_factor: float | None = None) -> Gait:
     """The machine's own gait, at another β if one is given."""
-    return Gait(duty_factor or machine.duty_factor, machine.lift_up, machine.lift_down, machine.height)
+    return Gait(
+        duty_factor or machine.duty_factor, machine.lift_up, machine.lift_down, machine.height
+    )
 
 
 def ground_of(kind: str, machine: Machine, rng: np.random.Generator) -> TerrainMap:
-    """Six metres of ground (less for small machines) about the origin; rough is 4 cm RMS for titan3, over some 0.3 m."""
+    """Six metres of ground (less for small machines) about the origin; rough is 4 cm RMS for
+    titan3, over some 0.3 m.
+    """
     scale = machine.height / 0.85
     cell = 0.05 * min(1.0, 2 * scale)
     heights, forbidden = np.zeros((CELLS, CELLS)), np.zeros((CELLS, CELLS), dtype=bool)
@@ -41,15 +47,23 @@ def ground_of(kind: str, machine: Machine, rng: np.random.Generator) -> TerrainM
         at = np.arange(CELLS) / 6
         low, share = at.astype(int), at - at.astype(int)
         along = coarse[:, low] * (1 - share) + coarse[:, low + 1] * share
-        heights = 0.04 * scale * (along[low] * (1 - share)[:, None] + along[low + 1] * share[:, None])
+        heights = (
+            0.04 * scale * (along[low] * (1 - share)[:, None] + along[low + 1] * share[:, None])
+        )
         forbidden = classify(heights, cell, machine)
     elif kind != "level":
         forbidden = rng.random((CELLS, CELLS)) < float(kind.split()[0]) / 100
-    return TerrainMap(heights, forbidden, cell, (-CELLS * cell / 2, -CELLS * cell / 2), machine.foot_radius)
+    return TerrainMap(
+        heights, forbidden, cell, (-CELLS * cell / 2, -CELLS * cell / 2), machine.foot_radius
+    )
 
 
-def random_stance(machine: Machine, gait: Gait, terrain: TerrainMap, rng: np.random.Generator) -> Stance:
-    """Feet anywhere in their reach where they may stand, such that the machine stands on them, at any yaw."""
+def random_stance(
+    machine: Machine, gait: Gait, terrain: TerrainMap, rng: np.random.Generator
+) -> Stance:
+    """Feet anywhere in their reach where they may stand, such that the machine stands on them, at
+    any yaw.
+    """
     while True:
         yaw = float(rng.uniform(-math.pi, math.pi))
         c, s = math.cos(yaw), math.sin(yaw)
@@ -64,18 +78,35 @@ def random_stance(machine: Machine, gait: Gait, terrain: TerrainMap, rng: np.ran
         low, high = height_limits(feet, machine)
         if low <= high and polygon_margin(support_polygon(feet), 0.0, 0.0) >= 0.0:
             stance = Stance((0.0, 0.0, 0.0, yaw), tuple(feet))
-            return replace(stance, body=(0.0, 0.0, standing_height(stance, feet, terrain, machine, gait, (0.0, 0.0, yaw)), yaw))
+            return replace(
+                stance,
+                body=(
+                    0.0,
+                    0.0,
+                    standing_height(stance, feet, terrain, machine, gait, (0.0, 0.0, yaw)),
+                    yaw,
+                ),
+            )
 
 
 def row(name: str, kind: str, count: int) -> str:
     """One line of the table."""
-    machine, rng, planner = load_machine(name), np.random.default_rng([SEED, len(name), GROUNDS.index(kind)]), MACHINES[name]
+    machine, rng, planner = (
+        load_machine(name),
+        np.random.default_rng([SEED, len(name), GROUNDS.index(kind)]),
+        MACHINES[name],
+    )
     stuck, seconds, swings, margins, thought = 0, [], [], [], []
     for _ in range(count):
         gait = gait_of(machine, float(rng.uniform(0.75, 0.9)) if planner == "crab" else None)
         terrain = ground_of(kind, machine, rng)
-        stance, angle = random_stance(machine, gait, terrain, rng), float(rng.uniform(-math.pi, math.pi))
-        goal = start_stance(planner, machine, gait, angle, (0.0, 0.0, stance.body[3]), terrain.height_at)
+        stance, angle = (
+            random_stance(machine, gait, terrain, rng),
+            float(rng.uniform(-math.pi, math.pi)),
+        )
+        goal = start_stance(
+            planner, machine, gait, angle, (0.0, 0.0, stance.body[3]), terrain.height_at
+        )
         terrain.crest_between(0.0, 0.0, 0.1, 0.0)  # a walk's map has its crests long since
         begun = time.process_time()
         plans = in_one_go(regroup(stance, goal, terrain, machine, gait, angle))
@@ -94,7 +125,9 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--count", type=int, default=1000)
     count = parser.parse_args().count
-    print("| machine | ground | in the layout | swings: median, most | s: median, most | least margin, mm | thought, ms: median, most |")
+    print(
+        "| machine | ground | in the layout | swings: median, most | s: median, most | least margin, mm | thought, ms: median, most |"
+    )
     print("|---|---|---|---|---|---|---|")
     for name in MACHINES:
         for kind in GROUNDS:

@@ -1,7 +1,8 @@
-"""Up, down and across slopes of 5 to 25 degrees, with the body level and with the body following the ground.
+"""Up, down and across slopes of 5 to 25 degrees, with the body level and with the body following
+the ground.
 
-Run: python -m tests.sweeps.slopes walks|leans [--every DEGREES] [--steps N]. The results are kept in docs/slopes.md. One process;
-``walks`` simulates, ``leans`` only works out which strides fit.
+Run: python -m tests.sweeps.slopes walks|leans [--every DEGREES] [--steps N]. The results are kept
+in docs/slopes.md. One process; ``walks`` simulates, ``leans`` only works out which strides fit.
 """
 
 from __future__ import annotations
@@ -10,13 +11,13 @@ import argparse
 import math
 from dataclasses import dataclass
 
-from planner.attitude import KINDS, fitted, followed
-from planner.crab.standard import standard_for, stroke_length
-from planner.machine import load_machine
-from planner.vocabulary import Command, Gait
-from server.console import Console, prepare
-from server.recording import Recorder
-from sim.scenarios import Scenario, scenario_from
+from walking_console.planner.crab.gait import standard_for, stroke_length
+from walking_console.planner.crab.slope_adaptation import KINDS, fitted, followed
+from walking_console.planner.robot.model import load_machine
+from walking_console.planner.types import Command, Gait
+from walking_console.sim.runs.recorder import Recorder
+from walking_console.sim.scenario import Scenario, scenario_from
+from walking_console.sim.simulation import Simulation, prepare
 
 TITAN = load_machine("titan3")
 GAIT = Gait(TITAN.duty_factor, TITAN.lift_up, TITAN.lift_down, TITAN.height)
@@ -52,8 +53,10 @@ def scenario_of(slope: float, course: float, attitude: str) -> Scenario:
 
 
 def walked(slope: float, course: float, attitude: str, steps: int) -> Walked:
-    """So many steps of one walk on a plane; its way a step is that of the second half, when it has found its lean and its stride."""
-    console = Console(prepare(scenario_of(slope, course, attitude)))
+    """So many steps of one walk on a plane; its way a step is that of the second half, when it has
+    found its lean and its stride.
+    """
+    console = Simulation(prepare(scenario_of(slope, course, attitude)))
     recorder = Recorder(console)
     console.order(Command(0.0, SPEED))
     lean = out = 0.0
@@ -66,7 +69,9 @@ def walked(slope: float, course: float, attitude: str, steps: int) -> Walked:
             half, begun = console.distance, console.walk.steps_begun
         lean = max(lean, math.hypot(console.plant.body[3], console.plant.body[4]))
         out = max(out, beyond(console))
-        if console.plant.state != "standing" or (console.walk.blocked and console.walk.kind == "stand"):
+        if console.plant.state != "standing" or (
+            console.walk.blocked and console.walk.kind == "stand"
+        ):
             ended = console.reason
         elif console.tick_count > steps * TICKS_A_STEP:
             ended = "too slow"
@@ -76,18 +81,22 @@ def walked(slope: float, course: float, attitude: str, steps: int) -> Walked:
     return Walked(ended, (console.distance - half) / taken / level, recorder.margin_min, lean, out)
 
 
-def beyond(console: Console) -> float:
+def beyond(console: Simulation) -> float:
     """How far the worst standing foot is out of its leg's control reach, m."""
     plant, machine, worst = console.plant, console.world.machine, 0.0
     for leg in plant.carrying:
         spec = machine.legs[leg]
-        for value, (low, high) in zip(plant.sense().feet_b[leg], (spec.x, spec.y, spec.z), strict=True):
+        for value, (low, high) in zip(
+            plant.sense().feet_b[leg], (spec.x, spec.y, spec.z), strict=True
+        ):
             worst = max(worst, low - value, value - high)
     return worst
 
 
 def walks(every: float, steps: int) -> None:
-    """A table of walks: each row one slope and one attitude, all courses to one side of the way up and the other."""
+    """A table of walks: each row one slope and one attitude, all courses to one side of the way up
+    and the other.
+    """
     columns = (
         "slope",
         "body",
@@ -116,14 +125,28 @@ def walks(every: float, steps: int) -> None:
                 f"{1e3 * min(walk.margin for walk in found.values()):.1f}",
                 f"{math.degrees(max(walk.lean for walk in found.values())):.1f}°",
                 f"{1e3 * max(walk.out for walk in found.values()):.0f}",
-                "; ".join(sorted({f"{course:g}°: {walk.ended or 'margin'}" for course, walk in found.items() if walk not in good})),
+                "; ".join(
+                    sorted(
+                        {
+                            f"{course:g}°: {walk.ended or 'margin'}"
+                            for course, walk in found.items()
+                            if walk not in good
+                        }
+                    )
+                ),
             ]
             print("| " + " | ".join(row) + " |", flush=True)
 
 
 def leans() -> None:
-    """λ* by how much of the slope the body leans, for courses up, half across and across; in bold the lean that is taken."""
-    print("| slope | way up | course | " + " | ".join(f"{share:.0%}" for share in SHARES) + " | taken |")
+    """λ* by how much of the slope the body leans, for courses up, half across and across; in bold
+    the lean that is taken.
+    """
+    print(
+        "| slope | way up | course | "
+        + " | ".join(f"{share:.0%}" for share in SHARES)
+        + " | taken |"
+    )
     print("|---" * (len(SHARES) + 4) + "|")
     for slope in SLOPES:
         for up in (0, 45, 90):
@@ -135,9 +158,17 @@ def leans() -> None:
                 for share in SHARES:
                     lean = share * seen[0], share * seen[1]
                     fit = fitted(TITAN, GAIT, 0.0, seen, (lean, lean), math.radians(course))
-                    length = 0.0 if fit is None else stroke_length(fit.reach.x_span, fit.reach.y_span, math.radians(course))
+                    length = (
+                        0.0
+                        if fit is None
+                        else stroke_length(fit.reach.x_span, fit.reach.y_span, math.radians(course))
+                    )
                     strides.append(f"{1e3 * length:.0f}" if length else "–")
-                print(f"| {slope}° | {up}° | {course}° | " + " | ".join(strides) + f" | {followed(TITAN, GAIT, seen, course):.0%} |")
+                print(
+                    f"| {slope}° | {up}° | {course}° | "
+                    + " | ".join(strides)
+                    + f" | {followed(TITAN, GAIT, seen, course):.0%} |"
+                )
 
 
 def main() -> None:

@@ -1,4 +1,5 @@
-"""Random wrong maps: a tenth of the holes and a tenth of the blocks are missing from the belief (H §9).
+"""Random wrong maps: a tenth of the holes and a tenth of the blocks are missing from the belief (H
+§9).
 
 Run: python -m tests.sweeps.wrong_maps --seeds 200. The result is kept in docs/wrong-maps.md.
 """
@@ -11,11 +12,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from planner.terrain import TerrainMap, classify
-from planner.vocabulary import Command, Mode
-from planner.walk import DT
-from server.console import Console, World, prepare
-from sim.scenarios import scenario_from
+from walking_console.planner.control.supervisor import DT
+from walking_console.planner.terrain.map import TerrainMap, classify
+from walking_console.planner.types import Command, Mode
+from walking_console.sim.scenario import scenario_from
+from walking_console.sim.simulation import Simulation, World, prepare
 
 CELL = 0.025  # m
 LENGTH = 10.0  # m to walk
@@ -27,7 +28,9 @@ TOP = (0.05, 0.15)  # m, height of a block
 MISSING = 0.1  # share of holes, and of blocks, the map does not show
 
 
-def ground_and_belief(seed: int, shape: tuple[int, int], origin: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
+def ground_and_belief(
+    seed: int, shape: tuple[int, int], origin: tuple[float, float]
+) -> tuple[np.ndarray, np.ndarray]:
     """True heights, and heights as believed: some holes and blocks left out of the latter."""
     rng = np.random.default_rng(seed)
     truth, believed = np.zeros(shape), np.zeros(shape)
@@ -37,8 +40,12 @@ def ground_and_belief(seed: int, shape: tuple[int, int], origin: tuple[float, fl
             width, depth = rng.uniform(*sides, 2)
             height = np.nan if kind == "hole" else rng.uniform(*TOP)
             shown = rng.random() >= MISSING
-            rows = slice(max(0, round((y - origin[1]) / CELL)), max(0, round((y + depth - origin[1]) / CELL)))
-            columns = slice(max(0, round((x - origin[0]) / CELL)), max(0, round((x + width - origin[0]) / CELL)))
+            rows = slice(
+                max(0, round((y - origin[1]) / CELL)), max(0, round((y + depth - origin[1]) / CELL))
+            )
+            columns = slice(
+                max(0, round((x - origin[0]) / CELL)), max(0, round((x + width - origin[0]) / CELL))
+            )
             truth[rows, columns] = height
             if shown:
                 believed[rows, columns] = height
@@ -49,8 +56,16 @@ def world(seed: int, base: World, mode: str) -> World:
     """One seed's world: the true ground for the plant, the wrong map for the planner."""
     truth, believed = ground_and_belief(seed, base.ground.heights.shape, base.ground.origin)
     ground = replace(base.ground, heights=truth, kind="file")
-    belief = TerrainMap(believed, classify(believed, CELL, base.machine), CELL, ground.origin, base.machine.foot_radius)
-    return replace(base, ground=ground, belief=belief, forbidden=classify(truth, CELL, base.machine))
+    belief = TerrainMap(
+        believed,
+        classify(believed, CELL, base.machine),
+        CELL,
+        ground.origin,
+        base.machine.foot_radius,
+    )
+    return replace(
+        base, ground=ground, belief=belief, forbidden=classify(truth, CELL, base.machine)
+    )
 
 
 def base_world(mode: str) -> World:
@@ -63,25 +78,44 @@ def base_world(mode: str) -> World:
 
 
 def walk(seed: int, base: World, mode: str) -> dict[str, object]:
-    """Walk one seed to its end; hanging feet are those meant to carry but without ground when a step begins."""
-    console = Console(world(seed, base, mode))
+    """Walk one seed to its end; hanging feet are those meant to carry but without ground when a
+    step begins.
+    """
+    console = Simulation(world(seed, base, mode))
     console.order(Command(0.0, 0.08))
     hanging, steps, stuck = 0, 0, 0
     for _ in range(round(TIME / DT)):
         console.tick()
         if console.mode is Mode.FALLEN:
-            return {"result": "fell", "distance": console.distance, "hanging": hanging, "emergent": console.walk.emergent}
+            return {
+                "result": "fell",
+                "distance": console.distance,
+                "hanging": hanging,
+                "emergent": console.walk.emergent,
+            }
         if console.walk.steps_begun != steps:
             steps = console.walk.steps_begun
             swing = console.walk.plan.swing
-            hanging += sum(not sole for leg, sole in enumerate(console.plant.soles) if leg not in swing)
+            hanging += sum(
+                not sole for leg, sole in enumerate(console.plant.soles) if leg not in swing
+            )
         if console.distance >= LENGTH:
-            return {"result": "reached", "distance": console.distance, "hanging": hanging, "emergent": console.walk.emergent}
+            return {
+                "result": "reached",
+                "distance": console.distance,
+                "hanging": hanging,
+                "emergent": console.walk.emergent,
+            }
         stuck = stuck + 1 if console.walk.blocked is not None else 0
         if stuck * DT >= 10.0:
             return {"result": "stopped", "reason": console.reason, "distance": console.distance, "hanging": hanging,
                     "emergent": console.walk.emergent}  # fmt: skip
-    return {"result": "time", "distance": console.distance, "hanging": hanging, "emergent": console.walk.emergent}
+    return {
+        "result": "time",
+        "distance": console.distance,
+        "hanging": hanging,
+        "emergent": console.walk.emergent,
+    }
 
 
 def main() -> None:

@@ -1,4 +1,6 @@
-"""How the walks are told: run a scenario headless, read its run directory back, hold it against what must always be true."""
+"""How the walks are told: run a scenario headless, read its run directory back, hold it against
+what must always be true.
+"""
 
 from __future__ import annotations
 
@@ -9,14 +11,18 @@ from typing import Any
 
 import numpy as np
 
-from planner.machine import Machine, machine_from
-from planner.support import MARGIN_SLACK
-from server.headless import run
-from sim.scenarios import load_scenario
+from walking_console.planner.robot.model import Machine, machine_from
+from walking_console.planner.stability import MARGIN_SLACK
+from walking_console.sim.runs.runner import run
+from walking_console.sim.scenario import load_scenario
 
 DT = 0.02
-EARLY = 0.02  # m; footholds are in reach at N_{k+1}; a foot that touches early stands this much before the body has come along
-SOLE_GIVES = 1e-3  # m a lifted foot may lag behind its leg until the tick in which it leaves the ground: what a sole gives
+# m; footholds are in reach at N_{k+1}; a foot that touches early stands this much before the body
+# has come along
+EARLY = 0.02
+# m a lifted foot may lag behind its leg until the tick in which it leaves the ground: what a sole
+# gives
+SOLE_GIVES = 1e-3
 ROUNDING = 1e-6  # m; what is left of exact arithmetic after a thousand ticks
 
 
@@ -37,18 +43,33 @@ class Walked:
 
     def ground_at(self, points: np.ndarray) -> np.ndarray:
         """True ground under points (..., 2); NaN in holes and outside."""
-        heights, cell, origin = self.terrain["heights"], float(self.terrain["cell"]), self.terrain["origin"]
+        heights, cell, origin = (
+            self.terrain["heights"],
+            float(self.terrain["cell"]),
+            self.terrain["origin"],
+        )
         columns = np.floor((points[..., 0] - origin[0]) / cell).astype(int)
         rows = np.floor((points[..., 1] - origin[1]) / cell).astype(int)
-        inside = (rows >= 0) & (rows < heights.shape[0]) & (columns >= 0) & (columns < heights.shape[1])
-        return np.where(inside, heights[rows.clip(0, heights.shape[0] - 1), columns.clip(0, heights.shape[1] - 1)], np.nan)
+        inside = (
+            (rows >= 0) & (rows < heights.shape[0]) & (columns >= 0) & (columns < heights.shape[1])
+        )
+        return np.where(
+            inside,
+            heights[rows.clip(0, heights.shape[0] - 1), columns.clip(0, heights.shape[1] - 1)],
+            np.nan,
+        )
 
 
 def walked(folder: Path, scenario: str, *settings: str) -> Walked:
     """Run ``scenario`` with ``--set`` settings and read the run directory back."""
     summary = run(load_scenario(scenario, settings), folder)
-    with np.load(folder / "ticks.npz", allow_pickle=False) as log, np.load(folder / "terrain.npz", allow_pickle=False) as ground:
-        steps = [json.loads(line) for line in (folder / "steps.jsonl").read_text("utf-8").splitlines()]
+    with (
+        np.load(folder / "ticks.npz", allow_pickle=False) as log,
+        np.load(folder / "terrain.npz", allow_pickle=False) as ground,
+    ):
+        steps = [
+            json.loads(line) for line in (folder / "steps.jsonl").read_text("utf-8").splitlines()
+        ]
         return Walked(summary, dict(log), steps, dict(ground), machine_from(summary["robot"]))
 
 
@@ -72,20 +93,34 @@ def assert_always_true(walk: Walked) -> None:
     speeds = np.abs(np.diff(seen, axis=0)) / DT
     lifted = log["contact"][:-1] & ~log["contact"][1:]
     speeds[lifted] -= SOLE_GIVES / DT
-    assert (speeds.max(axis=(0, 1)) <= np.array(machine.speed) + 1e-3).all(), speeds.max(axis=(0, 1))
+    assert (speeds.max(axis=(0, 1)) <= np.array(machine.speed) + 1e-3).all(), speeds.max(
+        axis=(0, 1)
+    )
     for index, leg in enumerate(machine.legs):
         for axis, (low, high) in enumerate((leg.x, leg.y)):
             standing = seen[log["support"][:, index], index, axis]
-            beyond = machine.overreach[axis] + ROUNDING if walk.summary["emergent"] else EARLY  # reflexes may use the mechanical reach
-            assert standing.min() >= low - beyond and standing.max() <= high + beyond, (leg.name, "xy"[axis])
-            assert seen[:, index, axis].min() >= low - machine.overreach[axis] - ROUNDING, (leg.name, "xy"[axis])
-            assert seen[:, index, axis].max() <= high + machine.overreach[axis] + ROUNDING, (leg.name, "xy"[axis])
+            # reflexes may use the mechanical reach
+            beyond = machine.overreach[axis] + ROUNDING if walk.summary["emergent"] else EARLY
+            assert standing.min() >= low - beyond and standing.max() <= high + beyond, (
+                leg.name,
+                "xy"[axis],
+            )
+            assert seen[:, index, axis].min() >= low - machine.overreach[axis] - ROUNDING, (
+                leg.name,
+                "xy"[axis],
+            )
+            assert seen[:, index, axis].max() <= high + machine.overreach[axis] + ROUNDING, (
+                leg.name,
+                "xy"[axis],
+            )
         assert seen[:, index, 2].min() >= leg.z[0] - machine.overreach[2] - ROUNDING
         assert seen[:, index, 2].max() <= leg.z[1] + machine.overreach[2] + ROUNDING
 
 
 def assert_standing_feet_stand(walk: Walked) -> None:
-    """A foot that carried in two ticks running and touched the ground in both has not moved between them; it is on the ground."""
+    """A foot that carried in two ticks running and touched the ground in both has not moved between
+    them; it is on the ground.
+    """
     log = walk.log
     stood = log["support"] & log["contact"]
     both = stood[:-1] & stood[1:]

@@ -1,15 +1,17 @@
-"""Walks that look: round what cannot be crossed, over ground that is known only as it is seen or touched (H fig. 14, §9 of the spec)."""
+"""Walks that look: round what cannot be crossed, over ground that is known only as it is seen or
+touched (H fig. 14, §9 of the spec).
+"""
 
 import json
 
 import numpy as np
 import pytest
 
-from planner.crab.route import RouteState
-from planner.vocabulary import Command, Mode
-from server.console import Console, Edit, prepare
-from server.headless import replay, run
-from sim.scenarios import ScenarioError, load_scenario
+from walking_console.planner.navigation.local_planner import RouteState
+from walking_console.planner.types import Command, Mode
+from walking_console.sim.runs.runner import replay, run
+from walking_console.sim.scenario import ScenarioError, load_scenario
+from walking_console.sim.simulation import Edit, Simulation, prepare
 
 from .telling import assert_always_true, walked
 
@@ -17,7 +19,7 @@ AHEAD = Command(0.0, 0.08)
 
 
 def console_of(name, *settings):
-    return Console(prepare(load_scenario(name, settings)))
+    return Simulation(prepare(load_scenario(name, settings)))
 
 
 def walk_on(console, ticks, command=AHEAD):
@@ -98,7 +100,8 @@ def test_a_hole_dug_ahead_is_seen_and_not_stepped_into():
         (row, column)
         for row in range(ground.rows)
         for column in range(ground.columns)
-        if abs(ground.centre(row, column)[0] - 3.0) < 0.45 and abs(ground.centre(row, column)[1] - 0.1) < 0.6
+        if abs(ground.centre(row, column)[0] - 3.0) < 0.45
+        and abs(ground.centre(row, column)[1] - 0.1) < 0.6
     ]
     console.request(Edit("dig", tuple(hole)))
     console.tick()

@@ -1,16 +1,22 @@
-"""Hands that never rest: sticks that tremble, slide and jump, and what must hold whatever they do (the full count: sweeps/hands)."""
+"""Hands that never rest: sticks that tremble, slide and jump, and what must hold whatever they do
+(the full count: sweeps/hands).
+"""
 
 import math
 
 import numpy as np
 import pytest
 
-from planner.vocabulary import TICK, Command
-from server.console import Console, prepare
-from sim.scenarios import load_scenario
 from tests.sweeps.hands import Watched, circle_walk, console_on, hand_walk
+from walking_console.planner.types import TICK, Command
+from walking_console.sim.scenario import load_scenario
+from walking_console.sim.simulation import Simulation, prepare
 
-COURSES = {"straight": Command(0.3, 0.08), "arc": Command(0.3, 0.08, 0.06), "spot": Command(0.0, 0.0, 0.1)}
+COURSES = {
+    "straight": Command(0.3, 0.08),
+    "arc": Command(0.3, 0.08, 0.06),
+    "spot": Command(0.0, 0.0, 0.1),
+}
 SECONDS = 12
 
 
@@ -24,7 +30,9 @@ def trembling(command, rng):
 
 
 def walked(positions):
-    """A console driven by one position of the stick a tick: what was seen, and in how many ticks the body stood."""
+    """A console driven by one position of the stick a tick: what was seen, and in how many ticks
+    the body stood.
+    """
     watched, stood = Watched(console_on("cells", 7, "titan3", 0.8)), 0
     for command in positions:
         before = watched.console.plant.body[:6]
@@ -44,15 +52,21 @@ def test_a_stick_that_trembles_is_walked_like_one_that_rests(course):
 
 
 def test_a_stick_pushed_farther_and_farther_out_is_answered_meanwhile():
-    """On an arc a thought takes several ticks: it must not begin anew with every speed the stick passes."""
-    positions = [Command(0.3, f * 0.08, f * 0.06) for f in (1.0 + 0.5 * math.sin(k / 25) for k in range(SECONDS * 50))]
+    """On an arc a thought takes several ticks: it must not begin anew with every speed the stick
+    passes.
+    """
+    positions = [
+        Command(0.3, f * 0.08, f * 0.06)
+        for f in (1.0 + 0.5 * math.sin(k / 25) for k in range(SECONDS * 50))
+    ]
     seen, stood = walked(positions)
     assert seen.way > 0.08 * SECONDS * 0.8 and seen.stood < 2.5 and not seen.amiss
 
 
 def test_a_body_that_waits_for_its_foot_does_not_wait_longer_when_the_stick_is_drawn_back():
-    feet = "start.feet=[[0.3597,0.3961],[-0.4831,0.4484],[-0.6305,-0.3041],[0.6321,-0.3430]]"  # it must step on the spot at first
-    console = Console(prepare(load_scenario("flat", [feet, "gait.duty_factor=0.888"])))
+    # it must step on the spot at first
+    feet = "start.feet=[[0.3597,0.3961],[-0.4831,0.4484],[-0.6305,-0.3041],[0.6321,-0.3430]]"
+    console = Simulation(prepare(load_scenario("flat", [feet, "gait.duty_factor=0.888"])))
     console.order(Command(math.radians(-57.6), 0.08))
     for _ in range(500):
         console.tick()
@@ -68,7 +82,9 @@ def test_a_body_that_waits_for_its_foot_does_not_wait_longer_when_the_stick_is_d
 
 @pytest.mark.parametrize("ticks", [10, 60, 110, 160])
 def test_a_foot_comes_down_at_its_own_speed_when_a_creeping_stick_is_pushed(ticks):
-    """The step of a creeping body is minutes long; played much faster it must not jump over the way down."""
+    """The step of a creeping body is minutes long; played much faster it must not jump over the way
+    down.
+    """
     console = console_on("flat", 1, "titan3", 0.8)
     console.order(Command(0.0, 0.004))
     phases = set()

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from planner.crab.standard import quarter_turns
-from planner.machine import load_machine
+from walking_console.planner.crab.gait import quarter_turns
+from walking_console.planner.robot.model import load_machine
 
 from .telling import assert_always_true, walked
 
@@ -29,7 +29,10 @@ def test_the_standard_gait_holds_at_every_crab_angle(tmp_path, degrees):
 
 def test_two_runs_of_one_scenario_have_one_state_hash_and_another_seed_of_noise_has_not(tmp_path):
     noisy = ("noise={position=0.001}", "end={time=10.0}", "expect={}")
-    first, again = (walked(tmp_path / name, "flat", *noisy).summary["state_hash"] for name in _made(tmp_path, "a", "b"))
+    first, again = (
+        walked(tmp_path / name, "flat", *noisy).summary["state_hash"]
+        for name in _made(tmp_path, "a", "b")
+    )
     other = walked(*_made_path(tmp_path, "c"), "flat", *noisy, "seed=2").summary["state_hash"]
     assert first == again != other
 
@@ -48,11 +51,14 @@ def _made_path(folder, name):
 def test_a_command_above_v_max_is_walked_at_v_max(tmp_path):
     walk = walked(tmp_path, "flat", "drive=[{t=0.0, speed=0.5}]", "end={time=20.0}", "expect={}")
     assert_always_true(walk)
-    assert walk.summary["mean_speed"] == pytest.approx(0.108, abs=0.002)  # gait-spec check value, κ = 1.25
+    # gait-spec check value, κ = 1.25
+    assert walk.summary["mean_speed"] == pytest.approx(0.108, abs=0.002)
     assert walk.steps[4]["speed"] == pytest.approx(walk.steps[4]["speed_max"])
 
 
 @pytest.mark.parametrize("speed", [0.02, 0.05, 0.1])
 def test_the_walk_keeps_the_commanded_speed(tmp_path, speed):
-    walk = walked(tmp_path, "flat", f"drive=[{{t=0.0, speed={speed}}}]", "end={time=30.0}", "expect={}")
+    walk = walked(
+        tmp_path, "flat", f"drive=[{{t=0.0, speed={speed}}}]", "end={time=30.0}", "expect={}"
+    )
     assert walk.summary["mean_speed"] == pytest.approx(speed, rel=0.02)

@@ -1,4 +1,6 @@
-"""Sitting down, standing up and the standard posture, asked for in the middle of walks, and stopped in the middle of themselves."""
+"""Sitting down, standing up and the standard posture, asked for in the middle of walks, and stopped
+in the middle of themselves.
+"""
 
 import json
 import math
@@ -7,11 +9,11 @@ import random
 import numpy as np
 import pytest
 
-from planner.crab.measures import is_standard, off_standard
-from planner.vocabulary import POSTURES, Command, Mode
-from server.console import Console, Edit, Halt, Pose, Push, disc, prepare
-from server.headless import replay, succeeded
-from sim.scenarios import ScenarioError, load_scenario, scenario_from
+from walking_console.planner.crab.measures import is_standard, off_standard
+from walking_console.planner.types import POSTURES, Command, Mode
+from walking_console.sim.runs.runner import replay, succeeded
+from walking_console.sim.scenario import ScenarioError, load_scenario, scenario_from
+from walking_console.sim.simulation import Edit, Halt, Pose, Push, Simulation, disc, prepare
 
 from .telling import assert_always_true, walked
 
@@ -24,22 +26,22 @@ POSING = (Mode.SIT_DOWN, Mode.STAND_UP, Mode.REGROUP)
 SIX = ("robot=hexapod", "planner=trace")
 
 
-def walking(ticks: int, *settings: str, command: Command = WALK) -> Console:
+def walking(ticks: int, *settings: str, command: Command = WALK) -> Simulation:
     """A machine in the middle of a walk over level ground, or what the settings make of it."""
-    console = Console(prepare(load_scenario("flat", ("end={time=100.0}", *settings))))
+    console = Simulation(prepare(load_scenario("flat", ("end={time=100.0}", *settings))))
     console.order(command)
     run(console, ticks)
     return console
 
 
-def run(console: Console, ticks: int) -> None:
+def run(console: Simulation, ticks: int) -> None:
     for _ in range(ticks):
         console.tick()
         assert console.mode not in (Mode.TIPPING, Mode.FALLEN), console.reason
         assert console.margins(console.walk.carrying())[1] >= -1e-6
 
 
-def ask(console: Console, posture: str, seconds: float = 20.0) -> None:
+def ask(console: Simulation, posture: str, seconds: float = 20.0) -> None:
     """Ask for a posture and wait until it is taken, or refused."""
     console.request(Pose(posture))
     console.tick()
@@ -50,7 +52,7 @@ def ask(console: Console, posture: str, seconds: float = 20.0) -> None:
     raise AssertionError(f"still {console.mode.name} after {seconds} s")
 
 
-def off(console: Console) -> float:
+def off(console: Simulation) -> float:
     """How far the machine stands from its standard layout, as a share of the stride."""
     walk = console.walk
     return off_standard(walk.machine, walk.gait, walk.crab_angle, walk.stance)
@@ -64,7 +66,11 @@ def test_a_walk_with_a_rest_in_it_on_rough_ground(tmp_path):
     assert_always_true(walk)
     assert succeeded(walk.summary), walk.summary["expect"]
     modes = {name: number for name, number in walk.summary["modes"].items()}
-    order = [mode for mode in walk.log["mode"][np.flatnonzero(np.diff(walk.log["mode"], prepend=-1))] if mode >= modes["sit_down"]]
+    order = [
+        mode
+        for mode in walk.log["mode"][np.flatnonzero(np.diff(walk.log["mode"], prepend=-1))]
+        if mode >= modes["sit_down"]
+    ]
     told = ("sit_down", "sit", "stand_up", "regroup", "sit_down", "sit", "stand_up")
     assert order == [modes[name] for name in told]
     assert replay(tmp_path)["equal"]
@@ -74,7 +80,9 @@ def test_six_legs_rest_the_same_way(tmp_path):
     walk = walked(tmp_path, "postures", *SIX)
     assert_always_true(walk)
     assert walk.summary["result"] == "completed" and walk.summary["distance"] > 2.5
-    assert {"sit", "regroup", "stand_up"} <= {name for name, number in walk.summary["modes"].items() if number in walk.log["mode"]}
+    assert {"sit", "regroup", "stand_up"} <= {
+        name for name, number in walk.summary["modes"].items() if number in walk.log["mode"]
+    }
     assert replay(tmp_path)["equal"]
 
 
@@ -84,16 +92,27 @@ LEVEL = 'terrain={kind="flat"}'
 
 @pytest.mark.parametrize(
     ("mode", "terrain"),
-    [("predictive", FOOTHOLDS % 0.7), ("predictive", FOOTHOLDS % 0.5), ("paper", FOOTHOLDS % 0.7), ("paper", LEVEL), ("naive", LEVEL)],
+    [
+        ("predictive", FOOTHOLDS % 0.7),
+        ("predictive", FOOTHOLDS % 0.5),
+        ("paper", FOOTHOLDS % 0.7),
+        ("paper", LEVEL),
+        ("naive", LEVEL),
+    ],
 )
 def test_in_every_mode_and_between_forbidden_cells(tmp_path, mode, terrain):
     walk = walked(tmp_path, "postures", f"mode={mode}", terrain, "expect={}", "seed=11")
     assert_always_true(walk)
-    assert walk.summary["modes"]["regroup"] in walk.log["mode"] and walk.summary["modes"]["sit"] in walk.log["mode"]
+    assert (
+        walk.summary["modes"]["regroup"] in walk.log["mode"]
+        and walk.summary["modes"]["sit"] in walk.log["mode"]
+    )
 
 
 @pytest.mark.parametrize("sensing", ("eye", "none"))
-def test_what_it_does_not_know_of_the_ground_does_not_keep_it_from_standing_in_order(tmp_path, sensing):
+def test_what_it_does_not_know_of_the_ground_does_not_keep_it_from_standing_in_order(
+    tmp_path, sensing
+):
     walk = walked(tmp_path, "postures", f"sensing={sensing}", "expect={}")
     assert walk.summary["falls"] == 0 and walk.summary["modes"]["regroup"] in walk.log["mode"]
     assert walk.log["mode"][31 * SECOND] == walk.summary["modes"]["stand"]
@@ -126,7 +145,9 @@ def test_after_the_standard_posture_the_walk_goes_on_as_the_standard_walk_at_onc
         step = console.walk.executed
         if step is not None:
             swings.append(step.swing)
-            assert is_standard(off_standard(console.walk.machine, console.walk.gait, course.crab_angle, step.end)), len(swings)
+            assert is_standard(
+                off_standard(console.walk.machine, console.walk.gait, course.crab_angle, step.end)
+            ), len(swings)
     assert len(swings) >= 4 and console.snapshot().posture == "stand"
 
 
@@ -153,7 +174,9 @@ def test_sitting_is_low_standing_is_high_and_neither_moves_a_foot(settings):
     run(console, 5 * SECOND)
     assert console.plant.body[2] == pytest.approx(low, abs=1e-9)
     ask(console, "stand")
-    assert console.mode is Mode.STAND and console.plant.body[2] == pytest.approx(console.world.gait.height, abs=1e-6)
+    assert console.mode is Mode.STAND and console.plant.body[2] == pytest.approx(
+        console.world.gait.height, abs=1e-6
+    )
     assert feet == [list(foot) for foot in console.plant.feet]
 
 
@@ -190,7 +213,9 @@ def test_a_command_to_move_stands_a_sitting_machine_up_in_time_and_it_walks(sett
     x = console.plant.body[0]
     console.order(WALK)
     for _ in range(round(RISING * SECOND)):
-        assert console.mode is not Mode.STAND_UP or console.plant.body[0] == pytest.approx(x, abs=1e-9)
+        assert console.mode is not Mode.STAND_UP or console.plant.body[0] == pytest.approx(
+            x, abs=1e-9
+        )
         run(console, 1)
     assert console.plant.body[0] > x + 1e-3, "it walks by now"
     begun = console.distance
@@ -200,7 +225,9 @@ def test_a_command_to_move_stands_a_sitting_machine_up_in_time_and_it_walks(sett
 
 @pytest.mark.parametrize("interrupted", ("sit", "stand"))
 @pytest.mark.parametrize("after", (1, 5, 20, 40, 55))
-def test_a_command_to_move_in_the_middle_of_sitting_or_standing_raises_it_and_it_walks(interrupted, after):
+def test_a_command_to_move_in_the_middle_of_sitting_or_standing_raises_it_and_it_walks(
+    interrupted, after
+):
     console = walking(100)
     if interrupted == "stand":
         ask(console, "sit")
@@ -228,7 +255,9 @@ def test_letting_go_while_it_rises_to_walk_stops_it_at_once_and_the_next_command
 
 
 @pytest.mark.parametrize("settings", ((), SIX))
-def test_whenever_it_is_stopped_on_its_way_the_body_stops_at_once_and_all_feet_are_down_within_a_second(settings):
+def test_whenever_it_is_stopped_on_its_way_the_body_stops_at_once_and_all_feet_are_down_within_a_second(
+    settings,
+):
     begun = walking(130, *settings)
     ticks = 0
     begun.request(Pose("standard"))
@@ -292,9 +321,17 @@ def test_a_hand_that_cannot_make_up_its_mind_gets_a_machine_neither_down_nor_stu
     for tick in range(40 * SECOND):
         if tick >= until:
             until = tick + hand.randint(3, 150)
-            console.request(Pose(hand.choice(POSTURES))) if hand.random() < 0.5 else console.request(Halt())
+            console.request(
+                Pose(hand.choice(POSTURES))
+            ) if hand.random() < 0.5 else console.request(Halt())
             if hand.random() < 0.5:
-                console.order(Command(hand.uniform(-3.0, 3.0), hand.choice((0.05, 0.1)), hand.choice((0.0, 0.0, 0.1))))
+                console.order(
+                    Command(
+                        hand.uniform(-3.0, 3.0),
+                        hand.choice((0.05, 0.1)),
+                        hand.choice((0.0, 0.0, 0.1)),
+                    )
+                )
         run(console, 1)
         low = low or console.mode is Mode.SIT
         assert console.mode is not Mode.BLOCKED, console.reason
@@ -304,13 +341,17 @@ def test_a_hand_that_cannot_make_up_its_mind_gets_a_machine_neither_down_nor_stu
 # when it cannot
 
 
-def without_ground(edit: str) -> Console:
+def without_ground(edit: str) -> Simulation:
     """A machine that wants to walk where there is nothing to step on but where it stands."""
     console = walking(1)
     ground, feet = console.ground, console.plant.feet
     rows, columns, _ = disc(ground, 0.0, 0.0, 1.6)
     cells = [(int(row), int(column)) for row, column in zip(rows, columns, strict=True)]
-    far = [cell for cell in cells if all(math.dist(ground.centre(*cell), foot[:2]) > 0.1 for foot in feet)]
+    far = [
+        cell
+        for cell in cells
+        if all(math.dist(ground.centre(*cell), foot[:2]) > 0.1 for foot in feet)
+    ]
     console.request(Edit(edit, tuple(far)))
     console.order(WALK)
     for _ in range(30 * SECOND):
@@ -361,7 +402,16 @@ def test_a_hole_nobody_knew_of_under_a_foot_on_its_way_is_felt_and_the_feet_stil
     landing = console.walk.plan.landing
     row, column = console.ground.cell_at(landing[0], landing[1])
     reach = math.ceil(0.05 / console.ground.cell)
-    console.request(Edit("dig", tuple((row + k, column + m) for k in range(-reach, reach + 1) for m in range(-reach, reach + 1))))
+    console.request(
+        Edit(
+            "dig",
+            tuple(
+                (row + k, column + m)
+                for k in range(-reach, reach + 1)
+                for m in range(-reach, reach + 1)
+            ),
+        )
+    )
     for _ in range(40 * SECOND):
         run(console, 1)
         if not console.walk.posing:
@@ -392,7 +442,9 @@ def test_a_timeline_that_moves_in_a_posture_is_refused_in_one_line():
     for entry in ({"posture": "sit", "speed": 0.1}, {"posture": "stand", "turn_rate_deg_s": 5.0}):
         with pytest.raises(ScenarioError, match=r"drive\.0: posture = .* needs speed = 0"):
             scenario_from({"drive": [entry]}, None)
-    with pytest.raises(ScenarioError, match=r"drive\.0\.posture should be 'sit', 'stand' or 'standard', got 'lie'"):
+    with pytest.raises(
+        ScenarioError, match=r"drive\.0\.posture should be 'sit', 'stand' or 'standard', got 'lie'"
+    ):
         scenario_from({"drive": [{"posture": "lie"}]}, None)
 
 
@@ -402,7 +454,13 @@ def test_a_timeline_that_holds_in_the_middle_of_a_posture_stops_it_and_replays(t
     walk = walked(tmp_path, "flat", drive, "end={time=14.0}", "expect={}")
     assert_always_true(walk)
     inputs = [json.loads(line) for line in (tmp_path / "inputs.jsonl").read_text().splitlines()]
-    assert [entry["input"] for entry in inputs if entry["input"] != "command"] == ["pose", "halt", "pose", "halt", "pose"]
+    assert [entry["input"] for entry in inputs if entry["input"] != "command"] == [
+        "pose",
+        "halt",
+        "pose",
+        "halt",
+        "pose",
+    ]
     heights = walk.log["body"][:, 2]
     assert 0.6 < heights[round(6.8 * SECOND)] < 0.84 and heights[-1] == pytest.approx(0.85)
     assert replay(tmp_path)["equal"]

@@ -3,14 +3,16 @@
 import numpy as np
 import pytest
 
-from planner.support import MARGIN_SLACK
+from walking_console.planner.stability import MARGIN_SLACK
 
 from .telling import feet_in_body_axes, walked
 
 
 @pytest.mark.parametrize(("width", "degrees"), [(0.5, 0.0), (0.35, 90.0)])
 def test_stretched_legs_carry_it_over_a_wide_river(tmp_path, width, degrees):
-    """The river of difficulty 0.8 along x, and the widest of whole cells along y: no fall, no slip, every foot in its mechanical reach."""
+    """The river of difficulty 0.8 along x, and the widest of whole cells along y: no fall, no slip,
+    every foot in its mechanical reach.
+    """
     course = f"drive=[{{t=0.0, speed=0.08, crab_angle_deg={degrees}}}]"
     ground = f'terrain={{kind="river", width={width}, at=0.8, heading_deg={degrees}}}'
     walk = walked(tmp_path, "river", ground, course, "end={time=100.0, distance=2.6}", "expect={}")
@@ -24,7 +26,11 @@ def test_stretched_legs_carry_it_over_a_wide_river(tmp_path, width, degrees):
     beyond = 0.0
     for i, leg in enumerate(walk.machine.legs):
         for axis, (low, high) in enumerate((leg.x, leg.y)):
-            over = max(float((low - seen[:, i, axis]).max()), float((seen[:, i, axis] - high).max()))
-            assert over <= walk.machine.overreach[axis] + 1e-6, f"leg {i + 1} leaves its mechanical reach"
+            over = max(
+                float((low - seen[:, i, axis]).max()), float((seen[:, i, axis] - high).max())
+            )
+            assert over <= walk.machine.overreach[axis] + 1e-6, (
+                f"leg {i + 1} leaves its mechanical reach"
+            )
             beyond = max(beyond, over)
     assert beyond > 0.03, "it did not stretch"

@@ -18,7 +18,9 @@ SIX_LEGS = ("robot=hexapod", "planner=trace")
         ("stairs-down", "terrain.rise=0.1"),
     ],
 )
-def test_what_must_always_be_true_is_so_on_ground_that_is_not_level(scenario: str, ground: str, tmp_path: Path) -> None:
+def test_what_must_always_be_true_is_so_on_ground_that_is_not_level(
+    scenario: str, ground: str, tmp_path: Path
+) -> None:
     walk = walked(tmp_path, scenario, *SIX_LEGS, ground)
     assert_always_true(walk)
     assert walk.summary["reason"] == "distance"

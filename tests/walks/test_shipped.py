@@ -1,9 +1,11 @@
-"""Every shipped scenario walks as its own file expects, and what is always true holds on every ground."""
+"""Every shipped scenario walks as its own file expects, and what is always true holds on every
+ground.
+"""
 
 import pytest
 
-from server.headless import succeeded
-from sim.scenarios import load_scenario, scenario_names
+from walking_console.sim.runs.runner import succeeded
+from walking_console.sim.scenario import load_scenario, scenario_names
 
 from .telling import assert_always_true, walked
 
@@ -14,7 +16,11 @@ CRAB = [name for name in scenario_names() if load_scenario(name).planner == "cra
 def test_the_scenario_keeps_what_its_file_expects(tmp_path, name):
     walk = walked(tmp_path, name)
     assert_always_true(walk)
-    assert succeeded(walk.summary), (walk.summary["result"], walk.summary["reason"], walk.summary["expect"])
+    assert succeeded(walk.summary), (
+        walk.summary["result"],
+        walk.summary["reason"],
+        walk.summary["expect"],
+    )
 
 
 def test_dem_is_a_walk_over_real_relief_in_three_directions(tmp_path):

@@ -5,18 +5,22 @@ import math
 import numpy as np
 import pytest
 
-from planner.lean import LEVEL
-from planner.reflex import attitude_of
-from planner.vocabulary import Command, Mode
-from server.console import Console, Edit, Follow, Pose, Push, prepare
-from server.headless import replay, run
-from server.recording import Recorder, input_from
-from sim.scenarios import ScenarioError, load_scenario, scenario_from
+from walking_console.planner.control.foot_controller import attitude_of
+from walking_console.planner.motion.body_tilt import LEVEL
+from walking_console.planner.types import Command, Mode
+from walking_console.sim.runs.recorder import Recorder, input_from
+from walking_console.sim.runs.runner import replay, run
+from walking_console.sim.scenario import ScenarioError, load_scenario, scenario_from
+from walking_console.sim.simulation import Edit, Follow, Pose, Push, Simulation, prepare
 
 SPEED = 0.08  # m/s
 LOWEST = -0.001  # m of margin
-OUT = 0.03  # m a standing foot may be out of its control reach: early touch, and the lean that changes within a step
-UNEVEN = 0.001  # rad: what a foot on the next cell, two centimetres off, tilts the body by until Level C has levelled it
+# m a standing foot may be out of its control reach: early touch, and the lean that changes within a
+# step
+OUT = 0.03
+# rad: what a foot on the next cell, two centimetres off, tilts the body by until Level C has
+# levelled it
+UNEVEN = 0.001
 FORWARD = Command(0.0, SPEED)
 HOLD = Command()
 
@@ -30,14 +34,23 @@ def on_slope(degrees, course, attitude="level", **more):
     """A machine that faces ``course`` degrees to the left of the way up."""
     terrain = {"kind": "slope", "angle_deg": degrees, "heading_deg": -course}
     drive = [{"t": 0.0, "crab_angle_deg": 0.0, "speed": SPEED}]
-    return scenario_from({"name": "slope", "attitude": attitude, "terrain": terrain, "drive": drive, "end": {"distance": 6.0}, **more})
+    return scenario_from(
+        {
+            "name": "slope",
+            "attitude": attitude,
+            "terrain": terrain,
+            "drive": drive,
+            "end": {"distance": 6.0},
+            **more,
+        }
+    )
 
 
 class Hill:
     """A console on a slope, watched in every tick."""
 
     def __init__(self, degrees, course, attitude="level"):
-        self.console = Console(prepare(on_slope(degrees, course, attitude)))
+        self.console = Simulation(prepare(on_slope(degrees, course, attitude)))
         self.recorder = Recorder(self.console)
         self.out = self.off = self.tilt = 0.0
 
@@ -48,7 +61,9 @@ class Hill:
             self.recorder.note()
             legs = console.world.machine.legs
             for leg in plant.carrying:
-                for value, (low, high) in zip(plant.sense().feet_b[leg], (legs[leg].x, legs[leg].y, legs[leg].z), strict=True):
+                for value, (low, high) in zip(
+                    plant.sense().feet_b[leg], (legs[leg].x, legs[leg].y, legs[leg].z), strict=True
+                ):
                     self.out = max(self.out, low - value, value - high)
             roll, pitch = attitude_of(walk.playback.lean_at(walk.t), plant.body[5])
             self.off = max(self.off, abs(plant.body[3] - roll), abs(plant.body[4] - pitch))
@@ -65,7 +80,11 @@ class Hill:
 
     def is_well(self):
         assert self.console.plant.state == "standing"
-        assert self.recorder.margin_min >= LOWEST and self.recorder.forbidden_steps == 0 and self.recorder.falls == 0
+        assert (
+            self.recorder.margin_min >= LOWEST
+            and self.recorder.forbidden_steps == 0
+            and self.recorder.falls == 0
+        )
         assert self.out <= OUT and not self.console.walk.emergent
 
 
@@ -77,7 +96,17 @@ def test_a_slope_of_15_degrees_is_walked_in_full_strides_in_every_direction(cour
     assert hill.console.distance > 11 * 0.156 and hill.tilt < UNEVEN
 
 
-STEEPER = [(20, 30), (20, 135), (20, 225), (20, 300), (25, 0), (25, 45), (25, 90), (25, 180), (25, 250)]
+STEEPER = [
+    (20, 30),
+    (20, 135),
+    (20, 225),
+    (20, 300),
+    (25, 0),
+    (25, 45),
+    (25, 90),
+    (25, 180),
+    (25, 250),
+]
 
 
 @pytest.mark.parametrize(("degrees", "course"), STEEPER)
@@ -86,10 +115,13 @@ def test_steeper_slopes_are_walked_level_with_shortened_strides(degrees, course)
     hill.walk(13)
     hill.is_well()
     assert hill.console.distance > 0.5 and hill.tilt < UNEVEN
-    assert all(step["planned_margin_min"] >= 0.008 for step in hill.recorder.steps)  # the standard walk of smaller boxes, no scramble
+    # the standard walk of smaller boxes, no scramble
+    assert all(step["planned_margin_min"] >= 0.008 for step in hill.recorder.steps)
 
 
-@pytest.mark.parametrize(("degrees", "course"), [(10, 0), (10, 90), (12, 215), (15, 45), (15, 270), (25, 45)])
+@pytest.mark.parametrize(
+    ("degrees", "course"), [(10, 0), (10, 90), (12, 215), (15, 45), (15, 270), (25, 45)]
+)
 def test_a_body_that_follows_the_ground_leans_up_the_slope(degrees, course):
     hill = Hill(degrees, course, "ground")
     hill.walk(18)
@@ -105,7 +137,9 @@ def test_a_body_that_follows_the_ground_leans_up_the_slope(degrees, course):
 
 @pytest.mark.parametrize("course", [111, 249])
 def test_a_lean_that_would_stand_on_an_edge_is_given_up(course):
-    """On 25 degrees the way into a lean leads through strides so short that only steps without any margin are left."""
+    """On 25 degrees the way into a lean leads through strides so short that only steps without any
+    margin are left.
+    """
     hill = Hill(25, course, "ground")
     hill.walk(12)
     hill.is_well()
@@ -115,7 +149,10 @@ def test_a_lean_that_would_stand_on_an_edge_is_given_up(course):
 def test_across_a_slope_of_10_degrees_the_body_follows_it_nearly_all_the_way():
     hill = Hill(10, 90, "ground")
     hill.walk(16)
-    assert math.degrees(abs(hill.console.plant.body[3])) > 7.5 and abs(hill.console.plant.body[4]) < 0.02
+    assert (
+        math.degrees(abs(hill.console.plant.body[3])) > 7.5
+        and abs(hill.console.plant.body[4]) < 0.02
+    )
     hill.is_well()
 
 
@@ -187,11 +224,15 @@ def test_a_push_does_not_leave_it_askew():
     hill.walk(6)
     assert hill.console.plant.state == "standing"
     roll, pitch = attitude_of(hill.console.walk.stance.lean, hill.console.plant.body[5])
-    assert hill.console.plant.body[4] == pytest.approx(pitch, abs=0.02) and hill.console.plant.body[3] == pytest.approx(roll, abs=1e-3)
+    assert hill.console.plant.body[4] == pytest.approx(pitch, abs=0.02) and hill.console.plant.body[
+        3
+    ] == pytest.approx(roll, abs=1e-3)
 
 
 def test_noise_in_the_posture_sensor_does_not_make_it_fall(tmp_path):
-    scenario = on_slope(10, 90, "ground", noise={"posture_deg": 0.2, "position": 0.0005}, end={"time": 30.0})
+    scenario = on_slope(
+        10, 90, "ground", noise={"posture_deg": 0.2, "position": 0.0005}, end={"time": 30.0}
+    )
     summary = ran(scenario, tmp_path / "noisy")
     assert summary["falls"] == 0 and summary["distance"] > 1.0
 
@@ -210,7 +251,7 @@ def test_a_change_of_attitude_is_recorded_and_replayed():
     hill.walk(3)
     given = [(record["tick"], input_from(record)) for record in hill.recorder.inputs]
     assert any(isinstance(one, Follow) for _, one in given)
-    again = Console(prepare(on_slope(10, 90)))
+    again = Simulation(prepare(on_slope(10, 90)))
     recorder = Recorder(again)
     for tick in range(hill.console.tick_count):
         for _, one in (entry for entry in given if entry[0] == tick):
@@ -231,9 +272,11 @@ def test_uneven_ground_is_walked_by_a_body_that_follows_it(name):
 
 @pytest.mark.parametrize("more", [{"mode": "paper"}, {"mode": "naive"}, {"planner": "trace"}])
 def test_planners_that_walk_level_refuse_to_follow_the_ground(more):
-    with pytest.raises(ScenarioError, match='attitude = "ground" needs planner = "crab" and mode = "predictive"'):
+    with pytest.raises(
+        ScenarioError, match='attitude = "ground" needs planner = "crab" and mode = "predictive"'
+    ):
         scenario_from({"name": "x", "attitude": "ground", **more})
-    hill = Console(prepare(scenario_from({"name": "x", **more})))
+    hill = Simulation(prepare(scenario_from({"name": "x", **more})))
     hill.request(Follow("ground"))
     hill.tick()
     assert "predictive" in hill.refused and hill.snapshot().attitude == "level"
@@ -241,6 +284,9 @@ def test_planners_that_walk_level_refuse_to_follow_the_ground(more):
 
 def test_level_ground_is_walked_alike_whatever_the_attitude(tmp_path):
     flat = {"name": "flat", "drive": [{"t": 0.0, "speed": SPEED}], "end": {"time": 12.0}}
-    level, ground = (ran(scenario_from({**flat, "attitude": attitude}), tmp_path / attitude) for attitude in ("level", "ground"))
+    level, ground = (
+        ran(scenario_from({**flat, "attitude": attitude}), tmp_path / attitude)
+        for attitude in ("level", "ground")
+    )
     assert level["state_hash"] == ground["state_hash"]
     assert np.isfinite(level["margin_min"])

@@ -4,16 +4,16 @@ import math
 
 import pytest
 
-from planner.vocabulary import Command, Mode
-from server.console import Console, prepare
-from sim.scenarios import load_scenario
+from walking_console.planner.types import Command, Mode
+from walking_console.sim.scenario import load_scenario
+from walking_console.sim.simulation import Simulation, prepare
 
 WALK = Command(0.0, 0.08)
 HOLD = Command()
 
 
 def walking(ticks, command=WALK):
-    console = Console(prepare(load_scenario("flat")))
+    console = Simulation(prepare(load_scenario("flat")))
     console.order(command)
     for _ in range(ticks):
         console.tick()
@@ -47,7 +47,7 @@ def test_after_any_stop_it_walks_on_in_the_old_direction(ticks):
 
 
 def test_a_command_that_is_not_repeated_expires():
-    console = Console(prepare(load_scenario("flat")))
+    console = Simulation(prepare(load_scenario("flat")))
     console.order(WALK, ttl_ticks=25)
     for _ in range(25):
         console.tick()
@@ -60,7 +60,7 @@ def test_a_command_that_is_not_repeated_expires():
 
 
 def test_the_first_motion_comes_within_two_ticks_of_the_command():
-    console = Console(prepare(load_scenario("flat")))
+    console = Simulation(prepare(load_scenario("flat")))
     for _ in range(10):
         console.tick()
     console.order(WALK)

@@ -1,19 +1,34 @@
-"""Stopping in mid-step with several feet in the air: a hexapod on sparse footholds, driven as an undecided hand would."""
+"""Stopping in mid-step with several feet in the air: a hexapod on sparse footholds, driven as an
+undecided hand would.
+"""
 
 import random
 
 import pytest
 
-from planner.vocabulary import Command
-from server.console import Console, prepare
-from sim.scenarios import scenario_from
+from walking_console.planner.types import Command
+from walking_console.sim.scenario import scenario_from
+from walking_console.sim.simulation import Simulation, prepare
 
 LOWEST = -0.12  # m; a foot below has missed its foothold
 
 
-def hexapod(seed: int, fraction: float) -> Console:
+def hexapod(seed: int, fraction: float) -> Simulation:
     terrain = {"kind": "footholds", "fraction": fraction}
-    return Console(prepare(scenario_from({"name": "six", "robot": "hexapod", "planner": "trace", "terrain": terrain, "seed": seed}, None)))
+    return Simulation(
+        prepare(
+            scenario_from(
+                {
+                    "name": "six",
+                    "robot": "hexapod",
+                    "planner": "trace",
+                    "terrain": terrain,
+                    "seed": seed,
+                },
+                None,
+            )
+        )
+    )
 
 
 @pytest.mark.parametrize("seed", (1, 2))
@@ -23,7 +38,11 @@ def test_an_undecided_hand_never_drops_a_hexapod_into_a_hole(seed: int) -> None:
     for tick in range(1500):
         if tick >= until:
             until = tick + hand.randint(10, 150)
-            command = Command(hand.uniform(-3.0, 3.0), hand.choice((0.0, 0.06, 0.12)), hand.choice((0.0, 0.15, -0.15)))
+            command = Command(
+                hand.uniform(-3.0, 3.0),
+                hand.choice((0.0, 0.06, 0.12)),
+                hand.choice((0.0, 0.15, -0.15)),
+            )
             command = Command() if hand.random() < 0.35 else command
         console.order(command)
         console.tick()
@@ -35,7 +54,10 @@ def test_an_undecided_hand_never_drops_a_hexapod_into_a_hole(seed: int) -> None:
 def test_feet_still_in_the_air_when_it_stands_are_not_meant_to_carry() -> None:
     console = hexapod(1, 0.1)
     console.order(Command(speed=0.12))
-    while not any(console.walk.plan.phases[console.walk.playback.stretch(console.walk.t)] == phase for phase in (2,)):
+    while not any(
+        console.walk.plan.phases[console.walk.playback.stretch(console.walk.t)] == phase
+        for phase in (2,)
+    ):
         console.tick()
     swinging = console.walk.plan.swing
     console.order(Command())
@@ -48,7 +70,7 @@ def test_feet_still_in_the_air_when_it_stands_are_not_meant_to_carry() -> None:
 
 
 def test_a_leg_that_waited_in_the_air_carries_again_once_it_is_set_down() -> None:
-    console = Console(prepare(scenario_from(
+    console = Simulation(prepare(scenario_from(
         {"name": "six", "robot": "hexapod", "planner": "trace", "terrain": {"kind": "footholds", "fraction": 0.02}, "seed": 2,
          "trace": {"kind": "sine"}}, None)))  # fmt: skip
     for _ in range(400):
@@ -60,4 +82,8 @@ def test_a_leg_that_waited_in_the_air_carries_again_once_it_is_set_down() -> Non
     for _ in range(150):
         console.order(Command())
         console.tick()
-    assert console.walk.kind == "stand" and console.walk.stance.lifted == () and all(console.plant.soles)
+    assert (
+        console.walk.kind == "stand"
+        and console.walk.stance.lifted == ()
+        and all(console.plant.soles)
+    )

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from planner.emergent import TABLE, Event, State
-from planner.support import MARGIN_SLACK
-from planner.terrain import TerrainMap
-from planner.vocabulary import Command, Mode
-from server.console import HOLD, Console, Edit, prepare
-from sim.scenarios import load_scenario
+from walking_console.planner.control.contact_reflexes import TABLE, Event, State
+from walking_console.planner.stability import MARGIN_SLACK
+from walking_console.planner.terrain.map import TerrainMap
+from walking_console.planner.types import Command, Mode
+from walking_console.sim.scenario import load_scenario
+from walking_console.sim.simulation import HOLD, Edit, Simulation, prepare
 
 SLOW = Command(0.0, 0.05)
 
@@ -19,12 +19,16 @@ def blind(scenario, *settings):
     """A console whose belief is flat ground at height 0, whatever the world is."""
     world = prepare(load_scenario(scenario, settings))
     known = world.belief
-    flat = TerrainMap(np.zeros_like(known.heights), np.zeros_like(known.forbidden), known.cell, known.origin)
-    return Console(replace(world, belief=flat))
+    flat = TerrainMap(
+        np.zeros_like(known.heights), np.zeros_like(known.forbidden), known.cell, known.origin
+    )
+    return Simulation(replace(world, belief=flat))
 
 
 def states_met(console, command, ticks):
-    """Walk on and collect the emergent states passed; the margin and the machine must hold throughout."""
+    """Walk on and collect the emergent states passed; the margin and the machine must hold
+    throughout.
+    """
     met, console_states = set(), []
     console.order(command)
     for _ in range(ticks):
@@ -47,7 +51,10 @@ def test_every_event_is_known_somewhere():
     assert {event for _, event in TABLE} == set(Event)
 
 
-@pytest.mark.parametrize(("scenario", "ticks", "way"), [("stairs-up", 5000, 3.0), ("block", 5000, 3.0), ("holes", 4000, 2.5)])
+@pytest.mark.parametrize(
+    ("scenario", "ticks", "way"),
+    [("stairs-up", 5000, 3.0), ("block", 5000, 3.0), ("holes", 4000, 2.5)],
+)
 def test_it_walks_blind_over_ground_it_has_no_map_of(scenario, ticks, way):
     console = blind(scenario)
     states_met(console, SLOW, ticks)
@@ -104,7 +111,8 @@ def test_what_was_learnt_stays_learnt():
 
 
 def test_a_foothold_on_an_edge_is_left_again_and_a_strip_along_the_edge_is_marked():
-    console = blind("stairs-up", "terrain.at=1.0")  # here a foot comes down on the very edge of a step
+    # here a foot comes down on the very edge of a step
+    console = blind("stairs-up", "terrain.at=1.0")
     begun = int(console.belief.forbidden.sum())
     met = set(states_met(console, SLOW, 1600))
     assert State.WITHDRAW in met
@@ -125,7 +133,10 @@ def test_a_foot_without_any_ground_waits_with_a_reason_and_goes_on_when_there_is
         (r, c)
         for r in range(row - 14, row + 15)
         for c in range(column - 22, column + 23)
-        if all(max(abs(ground.centre(r, c)[0] - fx), abs(ground.centre(r, c)[1] - fy)) > 0.1 for fx, fy in standing)
+        if all(
+            max(abs(ground.centre(r, c)[0] - fx), abs(ground.centre(r, c)[1] - fy)) > 0.1
+            for fx, fy in standing
+        )
     )
     belief = console.belief
     console.request(Edit("dig", hole))

@@ -1,4 +1,6 @@
-"""Walks that turn: on the spot, round circles at any crab angle, in and out of straight walking, on whole and on broken ground."""
+"""Walks that turn: on the spot, round circles at any crab angle, in and out of straight walking, on
+whole and on broken ground.
+"""
 
 import math
 
@@ -27,7 +29,9 @@ def told(folder, *settings):
 def driven(*entries):
     """A drive of (seconds, crab angle, speed, turn rate in degrees)."""
     keys = ("t", "crab_angle_deg", "speed", "turn_rate_deg_s")
-    tables = (", ".join(f"{k}={float(v)}" for k, v in zip(keys, entry, strict=True)) for entry in entries)
+    tables = (
+        ", ".join(f"{k}={float(v)}" for k, v in zip(keys, entry, strict=True)) for entry in entries
+    )
     return "drive=[" + ", ".join(f"{{{table}}}" for table in tables) + "]"
 
 
@@ -41,12 +45,19 @@ def test_it_turns_right_round_on_the_spot(tmp_path, rate, ground):
     assert abs(walk.summary["distance"]) < 0.3, "turning alone is no way"
 
 
-@pytest.mark.parametrize(("radius", "degrees", "seed"), [(1, 0, 1), (1, 90, 2), (2, 135, 3), (2, 0, 4), (5, 45, 5)])
+@pytest.mark.parametrize(
+    ("radius", "degrees", "seed"), [(1, 0, 1), (1, 90, 2), (2, 135, 3), (2, 0, 4), (5, 45, 5)]
+)
 def test_it_goes_round_circles_on_broken_ground(tmp_path, radius, degrees, seed):
     speed, share = 0.06, 1.0 if radius < 5 else 0.3
     seconds = share * 2 * math.pi * radius / speed * 1.15
     rate = math.degrees(speed / radius) * (1 if seed % 2 else -1)
-    walk = told(tmp_path, driven((0, degrees, speed, rate)), f"end={{time={seconds}}}", BROKEN.format(seed=seed))
+    walk = told(
+        tmp_path,
+        driven((0, degrees, speed, rate)),
+        f"end={{time={seconds}}}",
+        BROKEN.format(seed=seed),
+    )
     assert abs(turned(walk)) >= 340.0 * share
 
 
@@ -65,14 +76,28 @@ def test_after_turning_both_ways_it_is_back_in_the_standard_gait(tmp_path):
 
 
 def test_it_bends_into_an_arc_and_out_of_it_in_the_middle_of_a_walk(tmp_path):
-    drive = driven((0, 0, 0.08, 0), (11.3, 0, 0.08, 5), (24.9, 0, 0.08, -5), (40.1, 60, 0.06, 0), (60.7, 60, 0.0, 6), (75, 0, 0.08, 0))
+    drive = driven(
+        (0, 0, 0.08, 0),
+        (11.3, 0, 0.08, 5),
+        (24.9, 0, 0.08, -5),
+        (40.1, 60, 0.06, 0),
+        (60.7, 60, 0.0, 6),
+        (75, 0, 0.08, 0),
+    )
     walk = told(tmp_path, drive, "end={time=110.0}")
     assert walk.steps[-1]["planned_margin_min"] == pytest.approx(walk.steps[-1]["s0"], abs=1e-3)
     assert walk.summary["distance"] > 4.5
 
 
 def test_it_reverses_an_arc_and_stops_and_starts_in_it(tmp_path):
-    drive = driven((0, 0, 0.07, 4), (15.1, 180, 0.07, -4), (30.3, 0, 0, 0), (33, 180, 0.07, -4), (45.7, 90, 0, 0), (47, 90, 0.05, 7))
+    drive = driven(
+        (0, 0, 0.07, 4),
+        (15.1, 180, 0.07, -4),
+        (30.3, 0, 0, 0),
+        (33, 180, 0.07, -4),
+        (45.7, 90, 0, 0),
+        (47, 90, 0.05, 7),
+    )
     walk = told(tmp_path, drive, "end={time=70.0}", BROKEN.format(seed=8))
     assert walk.summary["emergent"] == {}
 
@@ -81,7 +106,14 @@ def test_it_reverses_an_arc_and_stops_and_starts_in_it(tmp_path):
 def test_a_restless_hand_on_both_axes_never_makes_it_fall_or_stand_for_good(tmp_path, seed):
     rng, t, entries = np.random.default_rng(seed), 0.0, []
     while t < 60.0:
-        entries.append((round(t, 2), rng.uniform(-180, 180), rng.choice([0.0, 0.05, 0.1]), rng.choice([0.0, rng.uniform(-10, 10)])))
+        entries.append(
+            (
+                round(t, 2),
+                rng.uniform(-180, 180),
+                rng.choice([0.0, 0.05, 0.1]),
+                rng.choice([0.0, rng.uniform(-10, 10)]),
+            )
+        )
         t += rng.uniform(0.2, 5.0)
     entries.append((60.0, 0.0, 0.08, 0.0))
     walk = told(tmp_path, driven(*entries), "end={time=90.0}", BROKEN.format(seed=seed))

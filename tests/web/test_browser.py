@@ -1,4 +1,6 @@
-"""A real browser on a real server: the stick walks the machine, the picture changes, letting go stops it."""
+"""A real browser on a real server: the stick walks the machine, the picture changes, letting go
+stops it.
+"""
 
 import io
 import json
@@ -21,20 +23,41 @@ FLAGS = (*SOFTWARE_DRAWING, "--no-sandbox", "--disable-background-networking", "
 PATIENCE = 60.0  # s; software drawing on a busy machine is slow
 POLL = 60  # ms
 
-BROWSER = os.environ.get("WALKING_CONSOLE_BROWSER") or next(filter(None, map(shutil.which, BROWSERS)), None)
+BROWSER = os.environ.get("WALKING_CONSOLE_BROWSER") or next(
+    filter(None, map(shutil.which, BROWSERS)), None
+)
 pytestmark = [
     pytest.mark.browser,
     pytest.mark.slow,
-    pytest.mark.skipif(BROWSER is None, reason="no Chromium or Chrome is installed: the browser tests were not run"),
+    pytest.mark.skipif(
+        BROWSER is None, reason="no Chromium or Chrome is installed: the browser tests were not run"
+    ),
 ]
 
 
 @pytest.fixture(scope="module")
 def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    words = [sys.executable, "-m", "server", "serve", "--port", "0", "--no-open", "--scenario", "flat"]
+    words = [
+        sys.executable,
+        "-m",
+        "walking_console",
+        "serve",
+        "--port",
+        "0",
+        "--no-open",
+        "--scenario",
+        "flat",
+    ]
     data = tmp_path_factory.mktemp("served")
     environment = {**os.environ, "PYTHONPATH": str(Path(__file__).resolve().parents[2])}
-    server = subprocess.Popen(words, cwd=data, env=environment, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    server = subprocess.Popen(
+        words,
+        cwd=data,
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+    )
     assert server.stdout is not None
     try:
         yield server.stdout.readline().strip()
@@ -57,7 +80,9 @@ def opened(address: str, browser: Browser) -> Iterator[Page]:
     page = browser.new_page(viewport={"width": 900, "height": 620})
     page.goto(address)
     page.wait_for_selector("body.live")
-    until(page, lambda: page.frames[1].locator("canvas").count() > 0 and detail(picture(page)) > 8.0)
+    until(
+        page, lambda: page.frames[1].locator("canvas").count() > 0 and detail(picture(page)) > 8.0
+    )
     yield page
     page.close()
 
@@ -77,13 +102,18 @@ def now(address: str) -> dict[str, Any]:
 
 
 def tell(address: str, action: str) -> None:
-    urllib.request.urlopen(urllib.request.Request(f"{address}/api/v1/console/{action}", method="POST"), timeout=10).close()
+    urllib.request.urlopen(
+        urllib.request.Request(f"{address}/api/v1/console/{action}", method="POST"), timeout=10
+    ).close()
 
 
 def load(address: str, body: dict[str, Any]) -> None:
     words = json.dumps(body).encode()
     headers = {"content-type": "application/json"}
-    urllib.request.urlopen(urllib.request.Request(f"{address}/api/v1/console/scenario", words, headers, method="PUT"), timeout=30).close()
+    urllib.request.urlopen(
+        urllib.request.Request(f"{address}/api/v1/console/scenario", words, headers, method="PUT"),
+        timeout=30,
+    ).close()
 
 
 def until(page: Page, holds: Callable[[], bool]) -> None:
@@ -125,7 +155,9 @@ def grab(page: Page, right: float, up: float) -> None:
     page.mouse.move(x + right * radius, y - up * radius, steps=4)
 
 
-def test_dragging_the_stick_walks_the_machine_and_letting_go_stops_it(address: str, page: Page) -> None:
+def test_dragging_the_stick_walks_the_machine_and_letting_go_stops_it(
+    address: str, page: Page
+) -> None:
     before = picture(page)
     grab(page, 0.0, 1.0)
     until(page, lambda: now(address)["distance_m"] > 0.10 and now(address)["speed_m_s"] > 0.05)
@@ -142,7 +174,13 @@ def test_dragging_the_stick_walks_the_machine_and_letting_go_stops_it(address: s
 
 def test_left_on_the_stick_is_left_of_the_torso(address: str, page: Page) -> None:
     grab(page, -1.0, 0.0)
-    until(page, lambda: now(address)["body"][1] > 0.03 and now(address)["crab_angle_rad"] == pytest.approx(1.5708, abs=0.05))
+    until(
+        page,
+        lambda: (
+            now(address)["body"][1] > 0.03
+            and now(address)["crab_angle_rad"] == pytest.approx(1.5708, abs=0.05)
+        ),
+    )
     page.mouse.up()
     until(page, lambda: now(address)["speed_m_s"] == 0.0)
 
@@ -156,15 +194,31 @@ def test_held_keys_walk_whichever_part_has_the_focus(address: str, page: Page) -
     until(page, lambda: now(address)["speed_m_s"] == 0.0)
     page.locator("#stick").focus()
     page.keyboard.down("ArrowDown")
-    until(page, lambda: now(address)["speed_m_s"] > 0.0 and abs(now(address)["crab_angle_rad"]) == pytest.approx(3.1416, abs=0.01))
+    until(
+        page,
+        lambda: (
+            now(address)["speed_m_s"] > 0.0
+            and abs(now(address)["crab_angle_rad"]) == pytest.approx(3.1416, abs=0.01)
+        ),
+    )
     page.keyboard.up("ArrowDown")
     until(page, lambda: now(address)["speed_m_s"] == 0.0)
 
 
-def test_a_hexapod_walks_and_turns_on_the_spot_by_keys_and_shows_its_footholds(address: str, page: Page) -> None:
+def test_a_hexapod_walks_and_turns_on_the_spot_by_keys_and_shows_its_footholds(
+    address: str, page: Page
+) -> None:
     terrain = {"kind": "footholds", "fraction": 0.1}
-    load(address, {"scenario": {"name": "six", "robot": "hexapod", "planner": "trace", "terrain": terrain}})
-    until(page, lambda: page.locator("#segments").is_visible() and page.locator("#turn-slider").is_visible())
+    load(
+        address,
+        {"scenario": {"name": "six", "robot": "hexapod", "planner": "trace", "terrain": terrain}},
+    )
+    until(
+        page,
+        lambda: (
+            page.locator("#segments").is_visible() and page.locator("#turn-slider").is_visible()
+        ),
+    )
     page.keyboard.down("w")
     until(page, lambda: now(address)["distance_m"] > 0.05)
     page.keyboard.up("w")
@@ -179,12 +233,21 @@ def test_a_hexapod_walks_and_turns_on_the_spot_by_keys_and_shows_its_footholds(a
     until(page, lambda: not page.locator("#segments").is_visible())
 
 
-def test_buttons_and_keys_sit_the_machine_down_stand_it_up_and_set_its_feet_in_order(address: str, page: Page) -> None:
+def test_buttons_and_keys_sit_the_machine_down_stand_it_up_and_set_its_feet_in_order(
+    address: str, page: Page
+) -> None:
     pressed = page.locator("#postures [aria-pressed=true]")
     page.click("[data-posture=sit]")
     until(page, lambda: now(address)["mode"] == "sit")
     assert now(address)["body"][2] < 0.6
-    until(page, lambda: page.inner_text("#mode") == "Sitting" and pressed.count() == 1 and pressed.inner_text() == "Sit")
+    until(
+        page,
+        lambda: (
+            page.inner_text("#mode") == "Sitting"
+            and pressed.count() == 1
+            and pressed.inner_text() == "Sit"
+        ),
+    )
     page.keyboard.press("x")
     until(page, lambda: now(address)["mode"] == "stand" and now(address)["body"][2] > 0.8)
     page.keyboard.down("w")
@@ -208,9 +271,20 @@ def test_a_switch_and_a_key_let_the_body_follow_the_ground(address: str, page: P
     chosen = page.locator("#attitudes [aria-checked=true]")
     assert chosen.get_attribute("data-attitude") == "level"
     page.click("[data-attitude=ground]")
-    until(page, lambda: now(address)["attitude"] == "ground" and chosen.get_attribute("data-attitude") == "ground")
+    until(
+        page,
+        lambda: (
+            now(address)["attitude"] == "ground"
+            and chosen.get_attribute("data-attitude") == "ground"
+        ),
+    )
     page.keyboard.press("g")
-    until(page, lambda: now(address)["attitude"] == "level" and chosen.get_attribute("data-attitude") == "level")
+    until(
+        page,
+        lambda: (
+            now(address)["attitude"] == "level" and chosen.get_attribute("data-attitude") == "level"
+        ),
+    )
     load(address, {"name": "flat", "mode": "paper"})
     until(page, lambda: page.locator("#attitudes").is_hidden())
 

@@ -5,14 +5,20 @@ import math
 import numpy as np
 import pytest
 
-from planner.machine import Machine, as_data, load_machine, machine_from
-from web.figure import Figure, attitude, quaternions
+from walking_console.planner.robot.model import Machine, as_data, load_machine, machine_from
+from walking_console.web.scene.robot_shapes import Figure, attitude, quaternions
 
 
 def eight_legged() -> Machine:
     xs = [(0.9, 1.5), (0.3, 0.8), (-0.8, -0.3), (-1.5, -0.9)]
-    legs = [{"name": f"left {i}", "x": list(x), "y": [0.4, 0.8], "z": [-0.8, -0.4]} for i, x in enumerate(xs)]
-    legs += [{"name": f"right {i}", "x": list(x), "y": [-0.8, -0.4], "z": [-0.8, -0.4]} for i, x in enumerate(xs[::-1])]
+    legs = [
+        {"name": f"left {i}", "x": list(x), "y": [0.4, 0.8], "z": [-0.8, -0.4]}
+        for i, x in enumerate(xs)
+    ]
+    legs += [
+        {"name": f"right {i}", "x": list(x), "y": [-0.8, -0.4], "z": [-0.8, -0.4]}
+        for i, x in enumerate(xs[::-1])
+    ]
     titan = as_data(load_machine("titan3"))
     plain = {**titan, "name": "spider", "torso": [2.4, 0.6, 0.2], "height": 0.6, "legs": legs}
     return machine_from(plain)
@@ -31,7 +37,12 @@ def turned(quaternion: np.ndarray, vector: tuple[float, float, float]) -> np.nda
 def test_thigh_and_shin_keep_their_lengths_wherever_the_foot_is(machine: Machine) -> None:
     figure, rng = Figure(machine), np.random.default_rng(2)
     for _ in range(50):
-        feet = np.array([[rng.uniform(*leg.x), rng.uniform(*leg.y), rng.uniform(*leg.z)] for leg in machine.legs])
+        feet = np.array(
+            [
+                [rng.uniform(*leg.x), rng.uniform(*leg.y), rng.uniform(*leg.z)]
+                for leg in machine.legs
+            ]
+        )
         hips, knees, thighs, shins = figure.legs(np.zeros(3), np.eye(3), feet)
         ankles = feet + (0.0, 0.0, 0.6 * figure.foot)
         assert np.linalg.norm(knees - hips, axis=1) == pytest.approx(figure.thigh)
@@ -60,7 +71,12 @@ def test_every_part_is_a_file_the_page_can_read(machine: Machine) -> None:
 
 def test_quaternions_are_right_for_every_half_turn_too() -> None:
     rng = np.random.default_rng(7)
-    angles = [(0.0, 0.0, math.pi), (math.pi, 0.0, 0.0), (0.0, math.pi, 0.0), *rng.uniform(-3, 3, (50, 3))]
+    angles = [
+        (0.0, 0.0, math.pi),
+        (math.pi, 0.0, 0.0),
+        (0.0, math.pi, 0.0),
+        *rng.uniform(-3, 3, (50, 3)),
+    ]
     for roll, pitch, yaw in angles:
         turn = attitude(roll, pitch, yaw)
         quaternion = quaternions(turn[None])[0]

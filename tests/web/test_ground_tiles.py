@@ -1,4 +1,6 @@
-"""The ground as tiles: exact where it is stepped, without cracks where it is smooth, and sent again only where it changed."""
+"""The ground as tiles: exact where it is stepped, without cracks where it is smooth, and sent again
+only where it changed.
+"""
 
 import json
 import struct
@@ -6,8 +8,8 @@ import struct
 import numpy as np
 import pytest
 
-from web.glb import Part, glb, linear
-from web.ground import COLOURS, QUADS_MAX, Ground, oklch, png
+from walking_console.web.scene.gltf import Part, glb, linear
+from walking_console.web.scene.terrain import COLOURS, QUADS_MAX, Ground, oklch, png
 
 
 def contents(data: bytes) -> tuple[dict, bytes]:
@@ -59,7 +61,9 @@ def test_an_empty_file_is_still_a_file() -> None:
 def test_height_colours_get_lighter_upwards_in_even_steps() -> None:
     light = COLOURS @ (0.2126, 0.7152, 0.0722)
     assert np.all(np.diff(light) > 0)
-    assert oklch(np.array([1.0]), np.array([0.0]), np.array([0.0]))[0] == pytest.approx([1.0, 1.0, 1.0], abs=1e-4)
+    assert oklch(np.array([1.0]), np.array([0.0]), np.array([0.0]))[0] == pytest.approx(
+        [1.0, 1.0, 1.0], abs=1e-4
+    )
 
 
 def test_stepped_ground_is_drawn_at_exactly_its_own_heights() -> None:
@@ -112,7 +116,10 @@ def test_a_smooth_hole_is_a_pit_and_painted_black() -> None:
 
 def test_an_edit_changes_the_tile_it_is_in_and_no_other() -> None:
     heights = hills(160, 160)
-    before = {tile.name: tile.key for tile in Ground(heights, nothing_forbidden(heights), 0.05, (0.0, 0.0)).tiles()}
+    before = {
+        tile.name: tile.key
+        for tile in Ground(heights, nothing_forbidden(heights), 0.05, (0.0, 0.0)).tiles()
+    }
     forbidden = nothing_forbidden(heights)
     forbidden[30, 30] = True
     marked = {tile.name: tile.key for tile in Ground(heights, forbidden, 0.05, (0.0, 0.0)).tiles()}
@@ -140,4 +147,6 @@ def test_a_picture_survives_its_png() -> None:
     from PIL import Image
 
     picture = np.random.default_rng(1).integers(0, 256, (13, 7, 3)) / 255
-    assert np.array_equal(np.asarray(Image.open(BytesIO(png(picture)))), np.rint(picture * 255).astype(np.uint8))
+    assert np.array_equal(
+        np.asarray(Image.open(BytesIO(png(picture)))), np.rint(picture * 255).astype(np.uint8)
+    )

@@ -8,12 +8,23 @@ import numpy as np
 import pytest
 import viser
 
-from planner.course import twist_of
-from planner.machine import load_machine
-from planner.vocabulary import Command, Mode, Phase, Stance, StepPlan, TraceAhead
-from server.canvas import viser_without_socket
-from sim.snapshot import Snapshot, TerrainView
-from web.scene import GREEN, RED, RING_CORNERS, Scene, course_ahead, foot_colour, foot_paths, margin_colour, stroke_lines, trace_lines
+from walking_console.planner.geometry.paths import arc_of_command
+from walking_console.planner.robot.model import load_machine
+from walking_console.planner.types import Command, GaitPreview, Mode, Phase, Stance, StepPlan
+from walking_console.server.viser_bridge import viser_without_socket
+from walking_console.sim.snapshot import Snapshot, TerrainView
+from walking_console.web.scene.scene import (
+    GREEN,
+    RED,
+    RING_CORNERS,
+    Scene,
+    course_ahead,
+    foot_colour,
+    foot_paths,
+    margin_colour,
+    stroke_lines,
+    trace_lines,
+)
 
 
 @pytest.fixture(scope="module")
@@ -78,14 +89,34 @@ def stepping() -> StepPlan:
     end = Stance((0.1, 0.0, 0.85, 0.0), (landing, *(tuple(foot) for foot in feet[0, 1:])), 0)
     body = np.array([(0.0, 0.0, 0.85, 0.0)] * 4)
     phases = (Phase.UP, Phase.RETURN, Phase.DOWN)
-    return StepPlan((0,), np.array([0.0, 0.1, 0.6, 0.9]), body, feet, phases, end, landing=landing, search_start=landing)
+    return StepPlan(
+        (0,),
+        np.array([0.0, 0.1, 0.6, 0.9]),
+        body,
+        feet,
+        phases,
+        end,
+        landing=landing,
+        search_start=landing,
+    )
 
 
-def foreseeing(complete: bool) -> TraceAhead:
-    """A straight trace of 1 m with three footholds; without a way beyond 0.4 m when it is not complete."""
+def foreseeing(complete: bool) -> GaitPreview:
+    """A straight trace of 1 m with three footholds; without a way beyond 0.4 m when it is not
+    complete.
+    """
     line = tuple((0.05 * k, 0.05 * k, 0.0) for k in range(21))
     footholds = (((0.9, 0.6, 0.0), (1.2, 0.6, 0.0)), ((0.3, 0.6, 0.0),), (), (), (), ())
-    return TraceAhead(line, footholds, ((),) * 6, (), 1.0 if complete else 0.4, 1.0, complete, "" if complete else "no foothold")
+    return GaitPreview(
+        line,
+        footholds,
+        ((),) * 6,
+        (),
+        1.0 if complete else 0.4,
+        1.0,
+        complete,
+        "" if complete else "no foothold",
+    )
 
 
 def names(scene: Scene) -> set[str]:
@@ -96,10 +127,18 @@ def names(scene: Scene) -> set[str]:
 def test_a_standing_machine_is_drawn(scene: Scene, robot: str) -> None:
     snapshot = standing(robot)
     scene.draw(snapshot)
-    assert {"/world/torso", "/world/thigh_1", "/world/foot_4", "/world/ground/0_0", "/world/stability/fill"} <= names(scene)
+    assert {
+        "/world/torso",
+        "/world/thigh_1",
+        "/world/foot_4",
+        "/world/ground/0_0",
+        "/world/stability/fill",
+    } <= names(scene)
     walker = scene._walker
     assert walker is not None
-    assert [tuple(foot.position) for foot in walker.feet] == [pytest.approx(foot) for foot in snapshot.feet]
+    assert [tuple(foot.position) for foot in walker.feet] == [
+        pytest.approx(foot) for foot in snapshot.feet
+    ]
 
 
 def test_walking_makes_no_new_nodes(scene: Scene) -> None:
@@ -109,7 +148,16 @@ def test_walking_makes_no_new_nodes(scene: Scene) -> None:
     for tick in range(1, 400):
         x = 0.002 * tick
         feet = tuple((a + x, b, c) for a, b, c in snapshot.feet)
-        scene.draw(replace(snapshot, tick=tick, time=0.02 * tick, body=(x, 0.0, 0.85, 0.0, 0.0, 0.0), feet=feet, command=Command(0.0, 0.1)))
+        scene.draw(
+            replace(
+                snapshot,
+                tick=tick,
+                time=0.02 * tick,
+                body=(x, 0.0, 0.85, 0.0, 0.0, 0.0),
+                feet=feet,
+                command=Command(0.0, 0.1),
+            )
+        )
     assert names(scene) == before
 
 
@@ -140,7 +188,9 @@ def test_an_edited_patch_sends_one_tile(scene: Scene) -> None:
 def test_a_map_of_another_size_leaves_no_old_tile(scene: Scene) -> None:
     scene.draw(standing())
     small = np.zeros((4, 4))
-    scene.draw(standing(terrain=TerrainView(2, small, np.zeros(small.shape, bool), 1.0, (-2.0, -2.0))))
+    scene.draw(
+        standing(terrain=TerrainView(2, small, np.zeros(small.shape, bool), 1.0, (-2.0, -2.0)))
+    )
     assert scene._ground is not None
     assert len(scene._ground.tiles) == 16
     assert {name for name in names(scene) if name.startswith("/world/ground/")} == {
@@ -152,7 +202,11 @@ def test_a_map_of_another_size_leaves_no_old_tile(scene: Scene) -> None:
 def test_a_step_shows_its_path_and_landing(scene: Scene) -> None:
     plan = stepping()
     scene.draw(standing())
-    scene.draw(replace(standing(), plan=plan, mode=Mode.RETURN, support=(False, True, True, True), time=0.5))
+    scene.draw(
+        replace(
+            standing(), plan=plan, mode=Mode.RETURN, support=(False, True, True, True), time=0.5
+        )
+    )
     overlay = scene._overlay
     assert overlay is not None and overlay.landing.visible and overlay.path.visible
     assert overlay.landing.position[:2] == pytest.approx(plan.landing[:2] if plan.landing else None)
@@ -170,18 +224,27 @@ def test_a_fallen_machine_over_a_hole_is_drawn_too(scene: Scene) -> None:
     heights[70:90, 70:90] = np.nan
     snapshot = standing(terrain=replace(terrain, heights=heights, forbidden=np.isnan(heights)))
     fallen = replace(snapshot, mode=Mode.FALLEN, support=(False,) * 4)
-    scene.draw(replace(fallen, body=(0.0, 0.0, 0.2, 0.3, 0.8, 1.0), margin=-math.inf, polygon_margin=-math.inf))
+    scene.draw(
+        replace(
+            fallen, body=(0.0, 0.0, 0.2, 0.3, 0.8, 1.0), margin=-math.inf, polygon_margin=-math.inf
+        )
+    )
 
 
 COURSES = [(0.0, 0.1, 0.0), (math.pi / 2, 0.1, 0.0), (0.3, 0.1, 0.08), (-1.0, 0.05, -0.05)]
 
 
 @pytest.mark.parametrize(("crab_angle", "speed", "turn_rate"), COURSES)
-def test_the_course_drawn_is_the_course_walked(crab_angle: float, speed: float, turn_rate: float) -> None:
+def test_the_course_drawn_is_the_course_walked(
+    crab_angle: float, speed: float, turn_rate: float
+) -> None:
     lines = course_ahead(2.0, -1.0, 0.4, crab_angle, speed, turn_rate, 0.65)
-    twist, _ = twist_of(crab_angle, speed, turn_rate, 0.65)
-    dx, dy, _ = twist.pose(1.6)
-    end = (2.0 + dx * math.cos(0.4) - dy * math.sin(0.4), -1.0 + dx * math.sin(0.4) + dy * math.cos(0.4))
+    arc, _ = arc_of_command(crab_angle, speed, turn_rate, 0.65)
+    dx, dy, _ = arc.pose(1.6)
+    end = (
+        2.0 + dx * math.cos(0.4) - dy * math.sin(0.4),
+        -1.0 + dx * math.sin(0.4) + dy * math.cos(0.4),
+    )
     assert lines[0, 0] == pytest.approx((2.0, -1.0))
     assert lines[23, 1] == pytest.approx(end, abs=2e-3)
 
@@ -205,6 +268,7 @@ def test_margins_run_from_red_to_green() -> None:
 def test_a_foot_that_should_carry_and_does_not_stands_out() -> None:
     assert len({foot_colour(True, True), foot_colour(False, True), foot_colour(False, False)}) == 3
 
+
 def test_a_trace_ahead_is_drawn_with_its_footholds_and_goes_with_them(scene: Scene) -> None:
     ahead = foreseeing(complete=True)
     scene.draw(replace(standing("hexapod"), planner="trace", ahead=ahead))
@@ -226,7 +290,10 @@ def test_the_trace_is_red_where_no_way_was_found() -> None:
 def test_the_search_domain_and_refused_cells_of_a_step_are_drawn(scene: Scene) -> None:
     decision = {
         "domain": [[0.5, 0.2], [0.9, 0.2], [0.9, 0.6], [0.5, 0.6]],
-        "legs": [{"leg": 1, "refused": [{"x": 0.7, "y": 0.4, "reason": "prohibited cell"}]}, {"leg": 2, "refused": []}],
+        "legs": [
+            {"leg": 1, "refused": [{"x": 0.7, "y": 0.4, "reason": "prohibited cell"}]},
+            {"leg": 2, "refused": []},
+        ],
     }
     told = replace(stepping(), decision=decision)
     scene.draw(replace(standing(), plan=told, mode=Mode.RETURN, decision=decision))
@@ -243,6 +310,7 @@ def test_a_click_meets_the_ground_where_it_is_seen(scene: Scene) -> None:
     scene.on_paint = lambda *touch: touched.append(touch)
     scene._paint("dig", np.array((0.0, 0.0, 2.0)), np.array((1.0, 0.5, -2.0)), 0.12)
     scene._paint("dig", np.array((0.0, 0.0, 2.0)), np.array((0.0, 0.0, 1.0)), 0.12)  # into the sky
-    scene._paint("dig", np.array((9.0, 0.0, 2.0)), np.array((0.0, 0.0, -1.0)), 0.12)  # beside the map
+    # beside the map
+    scene._paint("dig", np.array((9.0, 0.0, 2.0)), np.array((0.0, 0.0, -1.0)), 0.12)
     assert [(brush, radius) for brush, _, _, radius in touched] == [("dig", 0.12)]
     assert touched[0][1:3] == pytest.approx((1.0, 0.5), abs=0.02)

@@ -6,12 +6,18 @@ import numpy as np
 import pytest
 from crab_walks import TITAN, Blocked, command, gait, holes, relief, walk
 
-from planner.crab.height import body_height, ground_ahead, height_range, torso_needs, torso_needs_exactly
-from planner.crab.landing import ground_of
-from planner.crab.plan import Ahead
-from planner.crab.standard import posture_of, standard_for, standard_stance
-from planner.crab.xy import Shift, decide
-from planner.terrain import TerrainMap, classify
+from walking_console.planner.crab.foothold_search import ground_of
+from walking_console.planner.crab.gait import posture_of, standard_for, standard_stance
+from walking_console.planner.crab.leg_selection import Shift, decide
+from walking_console.planner.crab.planner import Ahead
+from walking_console.planner.motion.body_height import (
+    body_height,
+    ground_ahead,
+    height_range,
+    torso_needs,
+    torso_needs_exactly,
+)
+from walking_console.planner.terrain.map import TerrainMap, classify
 
 
 def printed_20(left, right, at):
@@ -39,9 +45,14 @@ def test_a_course_that_misses_the_leading_feet_takes_their_mean():
 
 
 def test_the_body_climbs_in_proportion_to_its_way_and_within_the_reach_of_its_feet():
-    assert body_height(0.85, 0.1, (0.2, 0.5), 0.85, 0.0, 9.0) == pytest.approx(0.85 + 0.2 * 0.1 / 0.5)  # (21)
+    # (21)
+    assert body_height(0.85, 0.1, (0.2, 0.5), 0.85, 0.0, 9.0) == pytest.approx(
+        0.85 + 0.2 * 0.1 / 0.5
+    )
     assert body_height(0.85, 0.1, (0.2, 0.5), 0.85, 0.0, 0.86) == 0.86
-    assert body_height(0.85, 0.1, (0.2, -0.1), 0.85, 0.0, 9.0) == pytest.approx(1.05), "beyond A the whole height is due"
+    assert body_height(0.85, 0.1, (0.2, -0.1), 0.85, 0.0, 9.0) == pytest.approx(1.05), (
+        "beyond A the whole height is due"
+    )
     assert height_range(TITAN, [0.0, 0.2, 0.1, 0.0]) == (pytest.approx(0.8), pytest.approx(1.1))
 
 
@@ -92,12 +103,15 @@ def test_a_low_block_between_the_feet_raises_the_body():
     block = TerrainMap(heights, classify(heights, 0.05, TITAN), 0.05, (-5.0, -5.0))
     plans = walk(command(0, 0.1), 24, block)
     assert not isinstance(plans[-1], Blocked)
-    assert max(plan.body[-1, 2] for plan in plans) == pytest.approx(0.85 + TITAN.torso[2] / 2 + 0.02)
+    assert max(plan.body[-1, 2] for plan in plans) == pytest.approx(
+        0.85 + TITAN.torso[2] / 2 + 0.02
+    )
 
 
 def test_the_torso_is_held_against_its_turned_rectangle_when_the_square_is_too_coarse():
     heights = np.zeros((200, 200))
-    heights[112, 100] = 2.0  # 0.6 m beside the body: in the square, beyond the torso's width, but under its turned length
+    # 0.6 m beside the body: in the square, beyond the torso's width, but under its turned length
+    heights[112, 100] = 2.0
     ground = TerrainMap(heights, heights > 1.0, 0.05, (-5.0, -5.0))
     assert torso_needs(ground, TITAN, 0.0, 0.0, 0.0) > 2.0
     assert torso_needs_exactly(ground, TITAN, 0.0, 0.0, 0.0) < 1.0
@@ -108,7 +122,7 @@ def test_the_torso_is_held_against_its_turned_rectangle_when_the_square_is_too_c
 
 
 def test_a_foothold_too_high_for_the_lift_is_refused_and_the_reason_noted():
-    from planner.crab.plan import plan_step
+    from walking_console.planner.crab.planner import plan_step
 
     heights = np.where(np.arange(200)[None, :] * 0.05 - 5.0 > 0.72, 0.45, 0.0) * np.ones((200, 1))
     ledge = TerrainMap(heights, np.zeros(heights.shape, dtype=bool), 0.05, (-5.0, -5.0))
@@ -120,11 +134,16 @@ def test_a_foothold_too_high_for_the_lift_is_refused_and_the_reason_noted():
         if isinstance(plan, Blocked):
             break
         stance = plan.end
-    assert reasons & {"the foot cannot be lifted over the ground on the way", "too high or too low for the legs to reach together"}
+    assert reasons & {
+        "the foot cannot be lifted over the ground on the way",
+        "too high or too low for the legs to reach together",
+    }
 
 
 def test_the_leg_that_swings_is_not_swept_through_a_pole():
-    """Old and new foothold are free, the legs that stand are clear of it; halfway it stands between hip and foot."""
+    """Old and new foothold are free, the legs that stand are clear of it; halfway it stands between
+    hip and foot.
+    """
     settings = gait()
     stance = standard_stance(TITAN, settings, 0.0, 0.0, 0.0, 0.0, lambda x, y: 0.0)
     standard = standard_for(TITAN, settings, 0.0)

@@ -6,20 +6,40 @@ import numpy as np
 import pytest
 from crab_walks import TITAN, Blocked, command, gait, holes, random_stance, walk
 
-from planner.course import line_exit
-from planner.crab.landing import Ground, domain_of, ground_of, landings, nearest_in, nearest_of, phase_point, stroke_in
-from planner.crab.standard import IS_FRONT, IS_LEFT, PREDECESSOR, posture_of, standard_for, standard_stance
-from planner.crab.xy import Shift, exits_of, shift_of
+from walking_console.planner.crab.foothold_search import (
+    Ground,
+    domain_of,
+    ground_of,
+    landings,
+    nearest_in,
+    nearest_of,
+    phase_point,
+    stroke_in,
+)
+from walking_console.planner.crab.gait import (
+    IS_FRONT,
+    IS_LEFT,
+    PREDECESSOR,
+    posture_of,
+    standard_for,
+    standard_stance,
+)
+from walking_console.planner.crab.leg_selection import Shift, exits_of, shift_of
+from walking_console.planner.geometry.paths import line_exit
 
 REACH = TITAN.reach
-RNG_ANGLES = [math.radians(d) for d in (-40, -16, 0, 12, 28, 44)]  # folded already: canonical legs are the body's
+# folded already: canonical legs are the body's
+RNG_ANGLES = [math.radians(d) for d in (-40, -16, 0, 12, 28, 44)]
 
 
 def cases(count=200, seed=1):
     """Random standing postures with a leg that can swing: standard walk, posture, exits, shift."""
     rng, found = np.random.default_rng(seed), 0
     while found < count:
-        angle, settings = RNG_ANGLES[int(rng.integers(len(RNG_ANGLES)))], gait(rng.uniform(0.75, 0.9))
+        angle, settings = (
+            RNG_ANGLES[int(rng.integers(len(RNG_ANGLES)))],
+            gait(rng.uniform(0.75, 0.9)),
+        )
         standard = standard_for(TITAN, settings, angle)
         posture = posture_of(standard, random_stance(rng))
         exits = exits_of(standard, posture)
@@ -30,7 +50,9 @@ def cases(count=200, seed=1):
 
 
 def test_method_1_is_the_hyperbola_of_17():
-    """Printed: (y - x tan α)(x - x_f + dx_u) = (y_f - x_f tan α) dx_u is the locus of D_X(P) = g_u(P), for leg 3 by its x reach."""
+    """Printed: (y - x tan α)(x - x_f + dx_u) = (y_f - x_f tan α) dx_u is the locus of D_X(P) =
+    g_u(P), for leg 3 by its x reach.
+    """
     x, y = 0.0, 0.0
     for angle in RNG_ANGLES:
         standard, t = standard_for(TITAN, gait(), angle), math.tan(angle)
@@ -58,17 +80,24 @@ def test_the_crossing_distance_is_where_the_course_meets_the_line():
 @pytest.mark.parametrize("angle", RNG_ANGLES)
 @pytest.mark.parametrize("u", range(4))
 def test_the_search_start_is_that_of_table_2(u, angle):
-    """Printed Δx, Δy between I_u and u*, the one with the smaller return, are our one sentence about leaving the reach later."""
+    """Printed Δx, Δy between I_u and u*, the one with the smaller return, are our one sentence
+    about leaving the reach later.
+    """
     beta, rng = 0.8, np.random.default_rng(u)
     standard = standard_for(TITAN, gait(beta), angle)
     stroke, c, s, r = standard.stride, math.cos(angle), math.sin(angle), REACH
-    sign, side = math.copysign(1.0, angle), 1.0 if IS_LEFT[u] else -1.0  # side is -sgn(u - 2.5) for u = 2, 3
+    # side is -sgn(u - 2.5) for u = 2, 3
+    sign, side = math.copysign(1.0, angle), 1.0 if IS_LEFT[u] else -1.0
     if IS_FRONT[u]:
         delta_x = 2 * r.x0 + 1.5 * r.x_span + (1 / beta - 1.5) * stroke * c
         delta_y = sign * r.y_span / 2 + (1 / beta - 1.5) * stroke * s
     else:
         delta_x = -2 * r.x0 - r.x_span / 2 - (1 - beta) / (2 * beta) * stroke * c
-        delta_y = side * (2 * r.y0 + r.y_span) + sign * r.y_span / 2 - (1 - beta) / (2 * beta) * stroke * s
+        delta_y = (
+            side * (2 * r.y0 + r.y_span)
+            + sign * r.y_span / 2
+            - (1 - beta) / (2 * beta) * stroke * s
+        )
     for _ in range(20):
         posture = posture_of(standard, random_stance(rng))
         x_before, y_before = posture.feet[PREDECESSOR[u]]
@@ -76,7 +105,9 @@ def test_the_search_start_is_that_of_table_2(u, angle):
         ahead = [(x_before + delta_x - cx) / c]
         if abs(s) > 1e-9:
             ahead.append((y_before + delta_y - cy) / s)
-        assert phase_point(standard, posture, exits_of(standard, posture), u) == pytest.approx(min(ahead), abs=1e-9)
+        assert phase_point(standard, posture, exits_of(standard, posture), u) == pytest.approx(
+            min(ahead), abs=1e-9
+        )
 
 
 def test_the_stroke_line_in_the_domain_is_what_the_predicates_say():
@@ -88,7 +119,9 @@ def test_the_stroke_line_in_the_domain_is_what_the_predicates_say():
             for t in rng.uniform(-0.4, 0.6, 20):
                 if min(abs(t - low), abs(t - high)) > 1e-6:
                     inside = domain.refuses(cx + t * domain.ux, cy + t * domain.uy) is None
-                    spread = (domain.ux * cy - domain.uy * cx - domain.f_across) * (1 if domain.left else -1)
+                    spread = (domain.ux * cy - domain.uy * cx - domain.f_across) * (
+                        1 if domain.left else -1
+                    )
                     if spread > 0.0 or not domain.hind:
                         assert inside == (low <= t <= high)
 
@@ -101,10 +134,14 @@ def test_every_foothold_offered_is_in_the_domain_on_a_free_cell_and_none_is_offe
         for start, landing in landings(standard, posture, domain, exits, shift.g, ground):
             assert terrain.allows(landing.ax, landing.ay)
             assert domain.refuses(landing.x, landing.y) is None
-            assert posture.absolute(landing.x, landing.y) == pytest.approx((landing.ax, landing.ay), abs=1e-9)
+            assert posture.absolute(landing.x, landing.y) == pytest.approx(
+                (landing.ax, landing.ay), abs=1e-9
+            )
             cell = terrain.cell_at(landing.ax, landing.ay)
             at_start = (landing.x, landing.y) == start
-            assert at_start or (landing.ax, landing.ay) == pytest.approx(terrain.centre(*cell), abs=1e-12)
+            assert at_start or (landing.ax, landing.ay) == pytest.approx(
+                terrain.centre(*cell), abs=1e-12
+            )
             assert (cell, at_start) not in seen
             seen.add((cell, at_start))
 
@@ -115,14 +152,19 @@ def test_every_free_cell_of_the_domain_is_offered():
         domain = domain_of(standard, posture.feet, exits, shift.leg, shift.g, False)
         offered = {
             terrain.cell_at(landing.ax, landing.ay)
-            for start, landing in landings(standard, posture, domain, exits, shift.g, ground_of(terrain))
+            for start, landing in landings(
+                standard, posture, domain, exits, shift.g, ground_of(terrain)
+            )
             if (landing.x, landing.y) != start
         }
         free = set()
         for row in range(terrain.rows):
             for column in range(terrain.columns):
                 x, y = terrain.centre(row, column)
-                if not terrain.forbidden[row, column] and domain.refuses(*posture.canonical(x, y)) is None:
+                if (
+                    not terrain.forbidden[row, column]
+                    and domain.refuses(*posture.canonical(x, y)) is None
+                ):
                     free.add((row, column))
         if offered or not free:
             assert offered == free
@@ -131,14 +173,18 @@ def test_every_free_cell_of_the_domain_is_offered():
 def test_the_search_goes_sideways_first_then_row_by_row_from_the_stroke_line():
     standard = standard_for(TITAN, gait(), 0.0)
     terrain = holes(0.0, span=4.0)
-    posture = posture_of(standard, standard_stance(TITAN, gait(), 0.0, 0.0, 0.0, 0.0, terrain.height_at))
+    posture = posture_of(
+        standard, standard_stance(TITAN, gait(), 0.0, 0.0, 0.0, 0.0, terrain.height_at)
+    )
     exits = exits_of(standard, posture)
     shift = shift_of(standard, posture, exits, 2)
     domain = domain_of(standard, posture.feet, exits, 2, shift.g, True)
     found = landings(standard, posture, domain, exits, shift.g, ground_of(terrain))
     start, *cells = [terrain.cell_at(landing.ax, landing.ay) for _, landing in found]
     columns = [column for _, column in cells]
-    assert columns == sorted(columns, reverse=True), "the standard foothold is the most forward one: rows follow behind it"
+    assert columns == sorted(columns, reverse=True), (
+        "the standard foothold is the most forward one: rows follow behind it"
+    )
     assert columns[0] in (start[1], start[1] - 1)
     for column in set(columns):
         sideways = [abs(row - start[0]) for row, c in cells if c == column]
@@ -178,16 +224,23 @@ def test_the_nearest_point_of_the_domain_is_in_it_and_no_cell_is_nearer():
 
 def test_of_a_domain_that_is_a_mere_line_the_nearest_point_is_on_it():
     line = [(0.1, 0.0), (0.3, 0.0), (0.3, 0.0), (0.1, 0.0)]
-    assert nearest_of(line, 0.0, 0.0) == (0.1, 0.0), "in its prolongation, so on the left of no edge"
+    assert nearest_of(line, 0.0, 0.0) == (0.1, 0.0), (
+        "in its prolongation, so on the left of no edge"
+    )
     assert nearest_of(line, 0.2, 0.5) == pytest.approx((0.2, 0.0))
     square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
-    assert nearest_of(square, 0.5, 0.0) == (0.5, 0.0) and nearest_of(square, 0.25, 0.5) == (0.25, 0.5)
+    assert nearest_of(square, 0.5, 0.0) == (0.5, 0.0) and nearest_of(square, 0.25, 0.5) == (
+        0.25,
+        0.5,
+    )
 
 
 def test_a_domain_may_be_empty():
     standard = standard_for(TITAN, gait(), 0.0)
     posture = posture_of(standard, random_stance(np.random.default_rng(0)))
-    domain = domain_of(standard, posture.feet, (0.0, 0.0, 0.0, 0.0), 2, 0.0, False)._replace(limit=-5.0)
+    domain = domain_of(standard, posture.feet, (0.0, 0.0, 0.0, 0.0), 2, 0.0, False)._replace(
+        limit=-5.0
+    )
     assert nearest_in(domain, 0.0, 0.0) is None
     assert list(landings(standard, posture, domain, (0.0,) * 4, 0.0, ground_of(holes()))) == []
 
@@ -195,13 +248,25 @@ def test_a_domain_may_be_empty():
 def test_off_the_map_nothing_is_allowed():
     ground = Ground(b"\x00" * 4, 2, 2, 0.1, 0.0, 0.0)
     assert ground.allows(0.05, 0.15)
-    assert not ground.allows(-0.01, 0.05) and not ground.allows(0.05, 0.2) and not ground.allows(1e9, 0.0)
+    assert (
+        not ground.allows(-0.01, 0.05)
+        and not ground.allows(0.05, 0.2)
+        and not ground.allows(1e9, 0.0)
+    )
 
 
 def test_own_exit_is_what_method_1_compares_with():
     for _, standard, posture, exits, shift in cases(50, seed=9):
         domain = domain_of(standard, posture.feet, exits, shift.leg, shift.g, True)
-        for _, landing in landings(standard, posture, domain, exits, shift.g, ground_of(holes(span=4.0))):
+        for _, landing in landings(
+            standard, posture, domain, exits, shift.g, ground_of(holes(span=4.0))
+        ):
             if domain.hind:
-                own = line_exit(landing.x, landing.y, standard.boxes[shift.leg], standard.ux, standard.uy)
-                assert shift.g - 1e-6 <= domain.crossing(landing.x, landing.y) <= min(domain.limit, own) + 1e-6
+                own = line_exit(
+                    landing.x, landing.y, standard.boxes[shift.leg], standard.ux, standard.uy
+                )
+                assert (
+                    shift.g - 1e-6
+                    <= domain.crossing(landing.x, landing.y)
+                    <= min(domain.limit, own) + 1e-6
+                )

@@ -1,11 +1,13 @@
-"""The standard crab walk against the paper's printed facts and the check values of the gait specification."""
+"""The standard crab walk against the paper's printed facts and the check values of the gait
+specification.
+"""
 
 import math
 
 import pytest
 from crab_walks import TITAN, Blocked, command, gait, walk
 
-from planner.crab.standard import (
+from walking_console.planner.crab.gait import (
     HYSTERESIS,
     LEAN,
     TIE,
@@ -19,7 +21,7 @@ from planner.crab.standard import (
     stroke_length,
     touchdown_phases,
 )
-from planner.crab.xy import return_length
+from walking_console.planner.crab.leg_selection import return_length
 
 FLAT = lambda x, y: 0.0  # noqa: E731
 
@@ -136,7 +138,9 @@ def test_the_standard_posture_stands_on_the_ground_with_the_body_above_it():
     for x, _, z in stance.feet:
         assert z == pytest.approx(0.1 * x)
     assert stance.body[2] == pytest.approx(sum(foot[2] for foot in stance.feet) / 4 + TITAN.height)
-    over_a_hole = standard_stance(TITAN, gait(), 0.0, 0.0, 0.0, 0.0, lambda x, y: math.nan if x > 0 and y > 0 else 0.2)
+    over_a_hole = standard_stance(
+        TITAN, gait(), 0.0, 0.0, 0.0, 0.0, lambda x, y: math.nan if x > 0 and y > 0 else 0.2
+    )
     assert [foot[2] for foot in over_a_hole.feet] == [pytest.approx(0.2)] * 4
 
 
@@ -146,4 +150,7 @@ def test_a_machine_without_overreach_keeps_room_to_lift_while_the_body_moves():
     tight = replace(TITAN, overreach=(0.0, 0.0, 0.15))
     plans = walk(command(20), 12, machine=tight, settings=gait(machine=tight))
     assert not isinstance(plans[-1], Blocked)
-    assert plans[-1].speed == pytest.approx(LEAN / math.cos(math.radians(20)) * 0.64 / TITAN.lift_down)  # the foot comes down ahead
+    # the foot comes down ahead
+    assert plans[-1].speed == pytest.approx(
+        LEAN / math.cos(math.radians(20)) * 0.64 / TITAN.lift_down
+    )

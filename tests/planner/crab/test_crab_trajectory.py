@@ -1,4 +1,6 @@
-"""Level B4: the speed limits of (28) with their printed forms held against them, and the knots of the swing."""
+"""Level B4: the speed limits of (28) with their printed forms held against them, and the knots of
+the swing.
+"""
 
 import math
 from dataclasses import replace
@@ -7,12 +9,20 @@ import numpy as np
 import pytest
 from crab_walks import TITAN, command, gait, walk
 
-from planner.crab.plan import cruise_speed
-from planner.crab.trajectory import EASED, EVEN, axis_limit, knots, speed_limit, timing
-from planner.vocabulary import Gait, Phase
+from walking_console.planner.crab.planner import cruise_speed
+from walking_console.planner.motion.timing import (
+    EASED,
+    EVEN,
+    axis_limit,
+    knots,
+    speed_limit,
+    timing,
+)
+from walking_console.planner.types import Gait, Phase
 
 TAU = 0.3 / 0.8  # h_up and h_dwn at V_z
-FRONT_STEP = (0.625, 0.0, 0.0), (1.0, 0.0, 0.0)  # D and n of the standard front step straight ahead, β = 0.8
+# D and n of the standard front step straight ahead, β = 0.8
+FRONT_STEP = (0.625, 0.0, 0.0), (1.0, 0.0, 0.0)
 
 
 def test_v_max_of_the_standard_walk():
@@ -55,14 +65,17 @@ def test_errata_24_the_shift_is_that_after_the_support_phase():
     assert v == pytest.approx((-b + math.sqrt(b * b + 4 * a * g_u)) / (2 * a))
     b_printed = TAU + (d - g) / v_leg
     v_printed = (-b_printed + math.sqrt(b_printed**2 + 4 * a * g_u)) / (2 * a)
-    assert d / (g_u / v_printed - TAU) - v_printed > 1.05 * v_leg, "as printed the leg would exceed its limit"
+    assert d / (g_u / v_printed - TAU) - v_printed > 1.05 * v_leg, (
+        "as printed the leg would exceed its limit"
+    )
 
 
 def test_errata_31_the_return_velocity_is_against_the_body():
     d, g_u, v = 0.625, 0.125, 0.08
     t_rtn = g_u / v - TAU  # (29)
     repaired, printed = d / t_rtn - v, (d - g_u) / t_rtn
-    landing = 0.0 + (repaired + v) * t_rtn  # ground displacement in the return phase; up and down are vertical
+    # ground displacement in the return phase; up and down are vertical
+    landing = 0.0 + (repaired + v) * t_rtn
     assert landing == pytest.approx(d)
     assert abs((printed + v) * t_rtn - d) > 0.02
 
@@ -70,7 +83,9 @@ def test_errata_31_the_return_velocity_is_against_the_body():
 def test_errata_28_the_quotients_are_no_limit_on_an_axis_without_course():
     across = speed_limit((0.6, 0.3, 0.0), (1.0, 0.0, 0.0), (1.0, 0.2, 0.8), 0.125, TAU)
     v = across
-    assert 0.3 / (0.125 / v - TAU) == pytest.approx(0.2), "the sideways axis is what limits, though the course has no y component"
+    assert 0.3 / (0.125 / v - TAU) == pytest.approx(0.2), (
+        "the sideways axis is what limits, though the course has no y component"
+    )
 
 
 @pytest.mark.parametrize("seed", range(40))
@@ -97,20 +112,49 @@ def test_the_eased_profile_has_the_peak_the_limits_are_divided_by():
     taus, ways = np.array([(0.0, 0.0), *EASED]).T
     rates = np.diff(ways) / np.diff(taus)
     assert ways[-1] == 1.0 and rates.max() == pytest.approx(Gait(0.8, 0.1, 0.2, 0.85).peak)
-    assert list(rates[:3]) == sorted(rates[:3]) and list(rates[2:]) == sorted(rates[2:], reverse=True)
+    assert list(rates[:3]) == sorted(rates[:3]) and list(rates[2:]) == sorted(
+        rates[2:], reverse=True
+    )
     assert EVEN == ((1.0, 1.0),)
 
 
 def test_when_the_body_waits_the_return_time_comes_from_the_leg_alone():
     n, room = (1.0, 0.0, 0.0), (0.05, 0.05)
-    clock = timing(TITAN, gait(smooth=False), (0.3, 0.1, 0.0), n, 0.0, 0.0, 0.0, 0.1, 0.2, room, 0.08, lambda: 0.1)  # (13b)
+    # (13b)
+    clock = timing(
+        TITAN,
+        gait(smooth=False),
+        (0.3, 0.1, 0.0),
+        n,
+        0.0,
+        0.0,
+        0.0,
+        0.1,
+        0.2,
+        room,
+        0.08,
+        lambda: 0.1,
+    )
     assert clock.speed == 0.0
     assert clock.back == pytest.approx(0.3 / 1.0)
     assert (clock.up, clock.down) == pytest.approx((0.1 / 0.8, 0.2 / 0.8))
 
 
 def test_the_four_leg_phase_does_not_crawl_when_the_swing_must():
-    clock = timing(TITAN, gait(), (0.5, 0.0, 0.0), (1.0, 0.0, 0.0), 0.0, 0.10, 0.101, 0.1, 0.2, (0.05, 0.05), 0.08, lambda: 0.1)
+    clock = timing(
+        TITAN,
+        gait(),
+        (0.5, 0.0, 0.0),
+        (1.0, 0.0, 0.0),
+        0.0,
+        0.10,
+        0.101,
+        0.1,
+        0.2,
+        (0.05, 0.05),
+        0.08,
+        lambda: 0.1,
+    )
     assert clock.speed < 0.01
     assert clock.support == pytest.approx(0.10 / 0.08)
 
@@ -120,12 +164,17 @@ def test_the_body_keeps_one_speed_and_the_foot_rises_and_falls_vertically():
     (leg,) = plan.swing
     speeds = np.hypot(*np.diff(plan.body[:, :2], axis=0).T) / np.diff(plan.times)
     np.testing.assert_allclose(speeds, 0.07, rtol=1e-9)
-    order = [plan.phases[0]] + [b for a, b in zip(plan.phases, plan.phases[1:], strict=False) if a is not b]
+    order = [plan.phases[0]] + [
+        b for a, b in zip(plan.phases, plan.phases[1:], strict=False) if a is not b
+    ]
     assert order == [Phase.SUPPORT, Phase.UP, Phase.RETURN, Phase.DOWN]
     path = plan.feet[:, leg]
     assert path[:, 2].max() == pytest.approx(TITAN.lift_up)
-    assert path[-1, 2] == pytest.approx(TITAN.lift_up - TITAN.lift_down), "the aim is not h_up below the ground"
-    assert plan.times[list(plan.phases).index(Phase.UP)] == pytest.approx(plan.support_shift / 0.07)  # (32)
+    assert path[-1, 2] == pytest.approx(TITAN.lift_up - TITAN.lift_down), (
+        "the aim is not h_up below the ground"
+    )
+    # (32)
+    assert plan.times[list(plan.phases).index(Phase.UP)] == pytest.approx(plan.support_shift / 0.07)
 
 
 def test_constant_profile_has_the_papers_five_knots():
@@ -134,9 +183,27 @@ def test_constant_profile_has_the_papers_five_knots():
 
 
 def test_the_knots_join():
-    clock = timing(TITAN, gait(), (0.4, 0.1, 0.05), (1.0, 0.0, 0.1), 0.015, 0.05, 0.15, 0.15, 0.2, (0.05, 0.05), 0.06, lambda: 0.1)
+    clock = timing(
+        TITAN,
+        gait(),
+        (0.4, 0.1, 0.05),
+        (1.0, 0.0, 0.1),
+        0.015,
+        0.05,
+        0.15,
+        0.15,
+        0.2,
+        (0.05, 0.05),
+        0.06,
+        lambda: 0.1,
+    )
     swing = (0.1, 0.4, 0.0), (0.1, 0.4, 0.15), (0.5, 0.5, 0.2), (0.5, 0.5, 0.0)
     rows, phases = knots(clock, True, ((0.0, 0.0, 0.8), (0.15, 0.0, 0.815)), 0.05, 0.15, swing)
     assert len(rows) == len(phases) + 1 == 17
-    assert rows[0][2] == swing[0] and rows[6][2] == swing[1] and rows[11][2] == swing[2] and rows[-1][2] == swing[3]
+    assert (
+        rows[0][2] == swing[0]
+        and rows[6][2] == swing[1]
+        and rows[11][2] == swing[2]
+        and rows[-1][2] == swing[3]
+    )
     assert rows[-1][1] == (0.15, 0.0, 0.815)

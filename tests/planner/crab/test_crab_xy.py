@@ -6,9 +6,26 @@ import numpy as np
 import pytest
 from crab_walks import TITAN, Blocked, command, gait, holes, random_stance, walk
 
-from planner.crab.landing import ground_of
-from planner.crab.standard import IS_FRONT, SUCCESSOR, Posture, posture_of, standard_for, standard_stance
-from planner.crab.xy import Shift, after, agreeing_pairs, changes_nothing, decide, exits_of, leg_order, return_length, shift_of
+from walking_console.planner.crab.foothold_search import ground_of
+from walking_console.planner.crab.gait import (
+    IS_FRONT,
+    SUCCESSOR,
+    Posture,
+    posture_of,
+    standard_for,
+    standard_stance,
+)
+from walking_console.planner.crab.leg_selection import (
+    Shift,
+    after,
+    agreeing_pairs,
+    changes_nothing,
+    decide,
+    exits_of,
+    leg_order,
+    return_length,
+    shift_of,
+)
 
 AHEAD = standard_for(TITAN, gait(), 0.0)
 
@@ -39,8 +56,12 @@ S0 = AHEAD.margin
 
 
 def front_posture(crossing, slack=0.4):
-    """Straight ahead, front-left to swing: the line from FR to RL crosses the course at ``crossing``; all may go ``slack``."""
-    return posture((0.6, 0.45), (crossing - 0.45, 0.45), (-0.7 + slack, -0.45), (crossing + 0.45, -0.45))
+    """Straight ahead, front-left to swing: the line from FR to RL crosses the course at
+    ``crossing``; all may go ``slack``.
+    """
+    return posture(
+        (0.6, 0.45), (crossing - 0.45, 0.45), (-0.7 + slack, -0.45), (crossing + 0.45, -0.45)
+    )
 
 
 @pytest.mark.parametrize(
@@ -57,8 +78,12 @@ def test_every_case_of_13(crossing, case):
 
 
 def hind_posture(crossing, slack=0.4):
-    """Straight ahead, rear-right to swing: the line from FR to RL crosses the course at ``crossing``; RR leaves after ``slack``."""
-    return posture((0.65, 0.45), (crossing - 0.45, 0.45), (-0.7 + slack, -0.45), (crossing + 0.45, -0.45))
+    """Straight ahead, rear-right to swing: the line from FR to RL crosses the course at
+    ``crossing``; RR leaves after ``slack``.
+    """
+    return posture(
+        (0.65, 0.45), (crossing - 0.45, 0.45), (-0.7 + slack, -0.45), (crossing + 0.45, -0.45)
+    )
 
 
 @pytest.mark.parametrize(
@@ -78,7 +103,8 @@ def test_every_case_of_14(crossing, slack, g0):
         assert isinstance(shift, str) and "cannot enter" in shift
     else:
         assert shift.g0 == pytest.approx(g0)
-        assert shift.g == pytest.approx(min(exits[0], exits[1], exits[3]))  # g_max of (12), before the far end
+        # g_max of (12), before the far end
+        assert shift.g == pytest.approx(min(exits[0], exits[1], exits[3]))
 
 
 def test_a_hind_step_is_cut_at_the_far_end_of_the_triangle():
@@ -105,7 +131,10 @@ def test_a_smaller_margin_may_be_asked_for():
 def test_in_the_standard_layout_the_standard_leg_swings_next(degrees, duty_factor):
     settings = gait(duty_factor)
     standard = standard_for(TITAN, settings, math.radians(degrees))
-    seen = posture_of(standard, standard_stance(TITAN, settings, math.radians(degrees), 0.0, 0.0, 0.0, lambda x, y: 0.0))
+    seen = posture_of(
+        standard,
+        standard_stance(TITAN, settings, math.radians(degrees), 0.0, 0.0, 0.0, lambda x, y: 0.0),
+    )
     for _ in range(8):
         order = leg_order(standard, seen, exits_of(standard, seen))
         assert order[0][0] == SUCCESSOR[seen.last]
@@ -123,7 +152,9 @@ def test_where_nothing_agrees_the_longest_return_goes_first():
         seen = posture_of(AHEAD, random_stance(rng))
         order = leg_order(AHEAD, seen, exits_of(AHEAD, seen))
         able = [leg for leg, shift in order if isinstance(shift, Shift)]
-        assert [leg for leg, _ in order][: len(able)] == able, "a leg that cannot swing is not at the back"
+        assert [leg for leg, _ in order][: len(able)] == able, (
+            "a leg that cannot swing is not at the back"
+        )
         if able and not any(agreeing_pairs(AHEAD, seen, leg) for leg in able):
             returns = [return_length(AHEAD, seen, leg) for leg in able]
             assert returns == sorted(returns, reverse=True)

@@ -1,4 +1,6 @@
-"""Ways out where no step gets on along the course: legs stretched to the mechanical limit, a step back, another course."""
+"""Ways out where no step gets on along the course: legs stretched to the mechanical limit, a step
+back, another course.
+"""
 
 import math
 from dataclasses import replace
@@ -7,18 +9,23 @@ import numpy as np
 import pytest
 from crab_walks import TITAN, command, gait, holes, look_at, random_stance
 
-from planner.crab import escape, foresee
-from planner.crab.foresee import at_once
-from planner.crab.standard import STRETCH_LEAN, standard_for, standard_stance
-from planner.terrain import TerrainMap
-from planner.vocabulary import Blocked, StepPlan
+from walking_console.planner.crab import predictive_planner, recovery
+from walking_console.planner.crab.gait import STRETCH_LEAN, standard_for, standard_stance
+from walking_console.planner.crab.predictive_planner import at_once
+from walking_console.planner.terrain.map import TerrainMap
+from walking_console.planner.types import Blocked, StepPlan
 
 
 def far_reaching(machine):
-    """The machine as a stretched walk takes it: control reach as wide as the mechanism, less what lifting needs."""
+    """The machine as a stretched walk takes it: control reach as wide as the mechanism, less what
+    lifting needs.
+    """
     dx, dy, dz = machine.overreach
     wider = lambda span, by: (span[0] - by, span[1] + by)  # noqa: E731
-    legs = tuple(replace(leg, x=wider(leg.x, dx - STRETCH_LEAN), y=wider(leg.y, dy - STRETCH_LEAN)) for leg in machine.legs)
+    legs = tuple(
+        replace(leg, x=wider(leg.x, dx - STRETCH_LEAN), y=wider(leg.y, dy - STRETCH_LEAN))
+        for leg in machine.legs
+    )
     return replace(machine, legs=legs, overreach=(STRETCH_LEAN, STRETCH_LEAN, dz))
 
 
@@ -26,18 +33,27 @@ FAR = far_reaching(TITAN)
 
 
 def river(width, at, degrees=0, cell=0.025, rim=1):
-    """Level ground with a bottomless strip across the way; ``rim`` cells beside it are forbidden, for a sole would hang over."""
+    """Level ground with a bottomless strip across the way; ``rim`` cells beside it are forbidden,
+    for a sole would hang over.
+    """
     count = round(8.0 / cell)
     middle = (np.arange(count) + 0.5) * cell - 2.0
-    wet, barred = (np.broadcast_to((middle > at - k) & (middle < at + width + k), (count, count)) for k in (0.0, rim * cell))
+    wet, barred = (
+        np.broadcast_to((middle > at - k) & (middle < at + width + k), (count, count))
+        for k in (0.0, rim * cell)
+    )
     wet, barred = (wet.T, barred.T) if degrees == 90 else (wet, barred)
     return TerrainMap(np.where(wet, np.nan, 0.0), barred.copy(), cell, (-2.0, -2.0))
 
 
 def walk(order, terrain, until, steps=60, stance=None):
-    """Plans until the body has come so far along the course, each with its decision; ends early with a ``Blocked``."""
+    """Plans until the body has come so far along the course, each with its decision; ends early
+    with a ``Blocked``.
+    """
     settings = gait()
-    stance = stance or standard_stance(TITAN, settings, order.crab_angle, 0.0, 0.0, 0.0, terrain.height_at)
+    stance = stance or standard_stance(
+        TITAN, settings, order.crab_angle, 0.0, 0.0, 0.0, terrain.height_at
+    )
     ux, uy = math.cos(order.crab_angle), math.sin(order.crab_angle)
     plans = []
     for _ in range(steps):
@@ -63,7 +79,9 @@ def none(*_):
 
 @pytest.mark.parametrize(("degrees", "width"), [(0, 0.5), (90, 0.35)])
 def test_a_river_wider_than_the_control_reach_is_crossed_with_stretched_legs(degrees, width):
-    """0.5 m between the banks and half a sole, rounded up to a cell and a half, at either: 0.575 m of 0.59 m."""
+    """0.5 m between the banks and half a sole, rounded up to a cell and a half, at either: 0.575 m
+    of 0.59 m.
+    """
     terrain, settings = river(width, 0.8, degrees), gait()
     plans = walk(command(degrees), terrain, 3.6)
     assert "stretch" in kinds(plans)
@@ -107,12 +125,16 @@ def test_stretched_legs_reach_their_mechanical_limit_less_what_lifting_needs():
 def among_few_footholds(seed):
     """A posture from anywhere in reach on ground of which 98.5 % is forbidden, and a course."""
     rng = np.random.default_rng(seed)
-    return random_stance(rng), command(float(rng.choice([0, 90, 20]))), holes(0.985, seed=seed, span=8.0)
+    return (
+        random_stance(rng),
+        command(float(rng.choice([0, 90, 20]))),
+        holes(0.985, seed=seed, span=8.0),
+    )
 
 
 def without_stretching(monkeypatch):
-    monkeypatch.setattr(escape, "by_stretching", none)
-    monkeypatch.setattr(foresee, "by_stretching", none)
+    monkeypatch.setattr(recovery, "by_stretching", none)
+    monkeypatch.setattr(predictive_planner, "by_stretching", none)
 
 
 @pytest.mark.parametrize("seed", [170, 274, 332, 678])
@@ -123,7 +145,7 @@ def test_a_course_within_the_cone_is_taken_where_the_commanded_one_ends(seed, mo
     assert isinstance(plan, StepPlan) and plan.decision["escape"] == "cone"
     aside = abs(math.degrees(plan.crab_angle - order.crab_angle))
     assert not plan.swing or aside in (pytest.approx(15.0, abs=0.6), pytest.approx(30.0, abs=0.6))
-    monkeypatch.setattr(escape, "CONE", ())
+    monkeypatch.setattr(recovery, "CONE", ())
     assert isinstance(at_once(stance, order, terrain, TITAN, gait()), Blocked)
 
 
@@ -135,5 +157,5 @@ def test_a_step_back_leads_past_where_the_walk_would_end(seed, monkeypatch):
     assert kinds(plans)[0] == "back" and plans[0][1].shift > 0.0
     assert math.cos(plans[0][1].crab_angle - order.crab_angle) < -0.99
     assert all(isinstance(plan, StepPlan) for _, plan in plans)
-    monkeypatch.setattr(escape, "_by_a_step_back", none)
+    monkeypatch.setattr(recovery, "_by_a_step_back", none)
     assert isinstance(walk(order, terrain, 0.2, steps=8, stance=stance)[-1][1], Blocked)

@@ -1,4 +1,6 @@
-"""Mode ``predictive``: the standard walk where it can be, a way on where the paper has none, and the reason where there is none."""
+"""Mode ``predictive``: the standard walk where it can be, a way on where the paper has none, and
+the reason where there is none.
+"""
 
 import math
 
@@ -6,13 +8,13 @@ import numpy as np
 import pytest
 from crab_walks import NEAR, TITAN, command, gait, holes, look_at, random_stance, relief
 
-from planner.crab.foresee import at_once, think
-from planner.crab.measures import is_standard, off_standard
-from planner.crab.plan import plan_step
-from planner.crab.standard import standard_stance
-from planner.support import MARGIN_SLACK, polygon_margin, support_polygon
-from planner.terrain import TerrainMap
-from planner.vocabulary import Blocked, Phase, Stance, StepPlan
+from walking_console.planner.crab.gait import standard_stance
+from walking_console.planner.crab.measures import is_standard, off_standard
+from walking_console.planner.crab.planner import plan_step
+from walking_console.planner.crab.predictive_planner import at_once, think
+from walking_console.planner.stability import MARGIN_SLACK, polygon_margin, support_polygon
+from walking_console.planner.terrain.map import TerrainMap
+from walking_console.planner.types import Blocked, Phase, Stance, StepPlan
 
 LOWER = 0.001  # m below s0 that still counts as the standard margin
 
@@ -24,7 +26,9 @@ def start(degrees, settings, terrain):
 def walk(order, steps, terrain, stance=None, settings=None):
     """Plans of a predictive walk, each looked at; ends early with a ``Blocked``."""
     settings = settings or gait()
-    stance = stance or standard_stance(TITAN, settings, order.crab_angle, 0.0, 0.0, 0.0, terrain.height_at)
+    stance = stance or standard_stance(
+        TITAN, settings, order.crab_angle, 0.0, 0.0, 0.0, terrain.height_at
+    )
     plans = []
     for _ in range(steps):
         plan = at_once(stance, order, terrain, TITAN, settings)
@@ -46,7 +50,10 @@ def look_at_any(plan, stance, terrain, settings):
     assert min(polygon_margin(polygon, x, y) for x, y in plan.body[:, :2]) >= -MARGIN_SLACK
     for i, leg in enumerate(TITAN.legs):
         seen = plan.feet[-1, i] - plan.body[-1, :3]
-        assert leg.x[0] - NEAR <= seen[0] <= leg.x[1] + NEAR and leg.y[0] - NEAR <= seen[1] <= leg.y[1] + NEAR
+        assert (
+            leg.x[0] - NEAR <= seen[0] <= leg.x[1] + NEAR
+            and leg.y[0] - NEAR <= seen[1] <= leg.y[1] + NEAR
+        )
 
 
 @pytest.mark.parametrize("degrees", [0, 20, 44, 74, 90, 135, 180, -60])
@@ -76,8 +83,15 @@ def test_from_any_posture_it_comes_to_the_standard_walk_within_sixteen_steps(see
 
 
 def test_legs_that_step_on_the_spot_in_turn_give_way_to_a_shift_of_the_body():
-    """Legs 3 and 4 bind the body, which stands over the other two; each step on the spot promises a better next one."""
-    feet = ((0.3597, 0.3961, 0.0), (-0.4831, 0.4484, 0.0), (-0.6305, -0.3041, 0.0), (0.6321, -0.3430, 0.0))
+    """Legs 3 and 4 bind the body, which stands over the other two; each step on the spot promises a
+    better next one.
+    """
+    feet = (
+        (0.3597, 0.3961, 0.0),
+        (-0.4831, 0.4484, 0.0),
+        (-0.6305, -0.3041, 0.0),
+        (0.6321, -0.3430, 0.0),
+    )
     stance = Stance((0.0, 0.0, TITAN.height, 0.0), feet)
     plans = walk(command(-57.644), 24, holes(span=12.0), stance, gait(0.88817))
     assert all(isinstance(plan, StepPlan) for plan in plans)
@@ -86,7 +100,10 @@ def test_legs_that_step_on_the_spot_in_turn_give_way_to_a_shift_of_the_body():
     assert all(plan.margin_min >= plan.standard_margin - LOWER for plan in plans[16:])
 
 
-@pytest.mark.parametrize(("degrees", "fraction", "share"), [(0, 0.3, 0.92), (90, 0.5, 0.8), (20, 0.8, 0.6), (45, 0.8, 0.35)])
+@pytest.mark.parametrize(
+    ("degrees", "fraction", "share"),
+    [(0, 0.3, 0.92), (90, 0.5, 0.8), (20, 0.8, 0.6), (45, 0.8, 0.35)],
+)
 def test_on_broken_ground_it_loses_little_of_its_way(degrees, fraction, share):
     settings = gait()
     flat = walk(command(degrees), 8, holes())
@@ -159,7 +176,10 @@ def test_asked_why_it_names_every_candidate_with_its_score():
     lookahead = plan.decision["lookahead"]
     assert lookahead["search"] in ("near", "wide")
     best = lookahead["candidates"][0]
-    assert best["landing"] == pytest.approx(list(plan.landing[:2])) and best["leg"] == plan.swing[0] + 1
+    assert (
+        best["landing"] == pytest.approx(list(plan.landing[:2]))
+        and best["leg"] == plan.swing[0] + 1
+    )
     ranks = [(candidate["steps"], candidate["score"]) for candidate in lookahead["candidates"]]
     assert len(ranks) > 4 and ranks == sorted(ranks, reverse=True)
     assert plan.decision["legs"]

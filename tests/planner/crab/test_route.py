@@ -1,4 +1,6 @@
-"""Level B1: straight where that can be walked, a trapezoid round what cannot be crossed, back to the line, else a reason."""
+"""Level B1: straight where that can be walked, a trapezoid round what cannot be crossed, back to
+the line, else a reason.
+"""
 
 import math
 from dataclasses import replace
@@ -6,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from planner.crab.route import ON_LINE, RouteState, plan_route
-from planner.crab.survey import FIT, Region, Survey
-from planner.machine import load_machine
-from planner.terrain import TerrainMap
-from planner.vocabulary import Blocked, Command, Stance
+from walking_console.planner.navigation.costmap import FIT, Region, Survey
+from walking_console.planner.navigation.local_planner import ON_LINE, RouteState, plan_route
+from walking_console.planner.robot.model import load_machine
+from walking_console.planner.terrain.map import TerrainMap
+from walking_console.planner.types import Blocked, Command, Stance
 
 MACHINE = load_machine("titan3")
 CELL, LOW, SIZE = 0.05, -6.0, 400
@@ -34,7 +36,13 @@ def with_hole(x1, x2, y1, y2, heights=None):
 
 
 def map_of(heights, forbidden=None, known=None):
-    return TerrainMap(heights, np.isnan(heights) if forbidden is None else forbidden, CELL, (LOW, LOW), known=known)
+    return TerrainMap(
+        heights,
+        np.isnan(heights) if forbidden is None else forbidden,
+        CELL,
+        (LOW, LOW),
+        known=known,
+    )
 
 
 def stance_at(x=0.0, y=0.0, yaw=0.0):
@@ -45,7 +53,9 @@ AHEAD = Command(0.0, 0.08)
 
 
 def walked(terrain, command=AHEAD, yaw=0.0, length=7.0, x=0.0, y=0.0):
-    """The body walked by B1 alone, one stride a call: places, courses against the line, and how it ended."""
+    """The body walked by B1 alone, one stride a call: places, courses against the line, and how it
+    ended.
+    """
     state, places, courses, why = RouteState(), [(x, y)], [], None
     while math.hypot(x, y) < length and len(places) < 200:
         steered, state, why = plan_route(state, command, stance_at(x, y, yaw), terrain, MACHINE)
@@ -76,7 +86,13 @@ def test_on_open_ground_the_command_is_the_very_same(angle):
     terrain = map_of(level())
     for step in range(5):
         along = step * STRIDE
-        steered, state, why = plan_route(state, command, stance_at(along * math.cos(angle), along * math.sin(angle)), terrain, MACHINE)
+        steered, state, why = plan_route(
+            state,
+            command,
+            stance_at(along * math.cos(angle), along * math.sin(angle)),
+            terrain,
+            MACHINE,
+        )
         assert steered is command and why is None and not state.detours
 
 
@@ -94,7 +110,9 @@ def test_a_river_as_wide_as_the_mechanical_reach_is_crossed_and_a_wider_one_is_n
         _, courses, why = walked(map_of(with_hole(2.0, 2.0 + width, LOW, HIGH)))
         assert why is None and set(courses) == {0.0}
     places, courses, why = walked(map_of(with_hole(2.0, 2.2 + stroke, LOW, HIGH)))
-    assert why is not None and "no way round" in why.reason and "would find no foothold" in why.reason
+    assert (
+        why is not None and "no way round" in why.reason and "would find no foothold" in why.reason
+    )
     assert places[-1][0] < 2.0
 
 
@@ -132,13 +150,19 @@ def test_a_turning_command_and_a_hold_are_passed_on():
 def test_a_large_hole_is_gone_round_in_a_trapezoid_and_the_line_found_again(angle, yaw, side):
     heading = yaw + angle
     y, x = np.indices((SIZE, SIZE)) * CELL + LOW + CELL / 2
-    along, across = math.cos(heading) * x + math.sin(heading) * y, side * (math.cos(heading) * y - math.sin(heading) * x)
+    along, across = (
+        math.cos(heading) * x + math.sin(heading) * y,
+        side * (math.cos(heading) * y - math.sin(heading) * x),
+    )
     hole = (along > 2.5) & (along < 3.5) & (across > -0.7) & (across < 1.0)
-    places, courses, why = walked(map_of(np.where(hole, np.nan, 0.0)), Command(angle, 0.08), yaw, length=8.0)
+    places, courses, why = walked(
+        map_of(np.where(hole, np.nan, 0.0)), Command(angle, 0.08), yaw, length=8.0
+    )
     assert why is None
     offsets = [d for _, d in turned(places, heading)]
     assert abs(offsets[-1]) < 0.1
-    assert max(-side * d for d in offsets) > 0.9 and max(side * d for d in offsets) < 0.1  # round the nearer end
+    # round the nearer end
+    assert max(-side * d for d in offsets) > 0.9 and max(side * d for d in offsets) < 0.1
     assert changes(courses) <= 5  # out, along, back, on, and one to spare
 
 
@@ -150,7 +174,9 @@ def test_every_leg_finds_a_foothold_all_the_way_round():
         for part in np.linspace(0.0, 1.0, 8):
             x, y = x1 + part * (x2 - x1), y1 + part * (y2 - y1)
             for box in MACHINE.boxes:
-                patch = terrain.forbidden[at(y + box[2]) : at(y + box[3]) + 1, at(x + box[0]) : at(x + box[1]) + 1]
+                patch = terrain.forbidden[
+                    at(y + box[2]) : at(y + box[3]) + 1, at(x + box[0]) : at(x + box[1]) + 1
+                ]
                 assert not patch.all()
 
 
@@ -178,7 +204,10 @@ def test_seen_late_a_hole_is_gone_round_sideways():
 
 def test_a_way_that_comes_up_on_the_way_round_is_taken_account_of():
     """The eye sees a second hole only when the first one's corner is being made for."""
-    first, both = map_of(with_hole(2.5, 3.5, -0.8, 0.9)), map_of(with_hole(1.2, 3.0, -2.5, -0.5, with_hole(2.5, 3.5, -0.8, 0.9)))
+    first, both = (
+        map_of(with_hole(2.5, 3.5, -0.8, 0.9)),
+        map_of(with_hole(1.2, 3.0, -2.5, -0.5, with_hole(2.5, 3.5, -0.8, 0.9))),
+    )
     command = Command(0.0, 0.08)
     steered, state, _ = plan_route(RouteState(), command, stance_at(), first, MACHINE)
     assert steered.crab_angle < -0.3
@@ -198,7 +227,9 @@ def test_where_nothing_works_it_says_what_fails():
 
 
 def test_the_edge_of_the_map_is_no_ground():
-    _, _, why = plan_route(RouteState(), Command(0.0, 0.08), stance_at(HIGH - 0.4, 0.0), map_of(level()), MACHINE)
+    _, _, why = plan_route(
+        RouteState(), Command(0.0, 0.08), stance_at(HIGH - 0.4, 0.0), map_of(level()), MACHINE
+    )
     assert why is not None and "no foothold" in why.reason
 
 
@@ -207,9 +238,13 @@ def test_unknown_ground_ahead_slows_and_does_not_stop():
     known[:, : at(1.6)] = True
     terrain = map_of(level(), forbidden=~known, known=known)
     far, _, _ = plan_route(RouteState(), Command(0.0, 0.08), stance_at(-1.0), terrain, MACHINE)
-    near, state, why = plan_route(RouteState(), Command(0.0, 0.08), stance_at(0.6), terrain, MACHINE)
+    near, state, why = plan_route(
+        RouteState(), Command(0.0, 0.08), stance_at(0.6), terrain, MACHINE
+    )
     at_it, _, _ = plan_route(RouteState(), Command(0.0, 0.08), stance_at(1.5), terrain, MACHINE)
-    heedless, _, _ = plan_route(RouteState(), Command(0.0, 0.08), stance_at(0.6), terrain, MACHINE, cautious=False)
+    heedless, _, _ = plan_route(
+        RouteState(), Command(0.0, 0.08), stance_at(0.6), terrain, MACHINE, cautious=False
+    )
     assert why is None and near.crab_angle == 0.0
     assert far.speed == heedless.speed == 0.08 and at_it.speed == 0.25 * 0.08 < near.speed < 0.08
     assert state.speed_limit == near.speed
@@ -219,7 +254,9 @@ def test_a_refused_course_is_not_offered_again():
     terrain, command = map_of(with_hole(2.5, 3.5, -0.8, 0.9)), Command(0.0, 0.08)
     offered = []
     for _ in range(3):
-        steered, state, why = plan_route(RouteState(), command, stance_at(), terrain, MACHINE, refused=tuple(offered))
+        steered, state, why = plan_route(
+            RouteState(), command, stance_at(), terrain, MACHINE, refused=tuple(offered)
+        )
         assert why is None
         assert all(abs(state.offset - other) >= math.radians(8.0) for other in offered)
         offered.append(state.offset)
@@ -294,8 +331,18 @@ def test_a_place_is_fit_exactly_when_every_leg_has_ground():
             rows, columns = survey.at(np.array([s]), np.array([d]))
             x, y = survey.x[columns[0]], survey.y[rows[0]]
             boxes = [(x + b[0], x + b[1], y + b[2], y + b[3]) for b in MACHINE.boxes]
-            inside = [terrain.forbidden[at(b[2] + 0.06) : at(b[3] - 0.06), at(b[0] + 0.06) : at(b[1] - 0.06)] for b in boxes]
-            around = [terrain.forbidden[at(b[2] - 0.06) : at(b[3] + 0.11), at(b[0] - 0.06) : at(b[1] + 0.11)] for b in boxes]
+            inside = [
+                terrain.forbidden[
+                    at(b[2] + 0.06) : at(b[3] - 0.06), at(b[0] + 0.06) : at(b[1] - 0.06)
+                ]
+                for b in boxes
+            ]
+            around = [
+                terrain.forbidden[
+                    at(b[2] - 0.06) : at(b[3] + 0.11), at(b[0] - 0.06) : at(b[1] + 0.11)
+                ]
+                for b in boxes
+            ]
             verdict = survey.verdict[rows[0], columns[0]]
             if all(not patch.all() for patch in inside):
                 assert verdict == FIT

@@ -1,7 +1,9 @@
-"""An exhaustive search over small fields, to hold the planner against: no order, no heuristics, no bit masks, no bound.
+"""An exhaustive search over small fields, to hold the planner against: no order, no heuristics, no
+bit masks, no bound.
 
-Same constraints as the planner on the trace itself: footholds at cell centres inside the reach rectangle, the centre of
-gravity MARGIN inside the polygon, three feet down, feet two radii apart, the body anywhere between the ends of the trace.
+Same constraints as the planner on the trace itself: footholds at cell centres inside the reach
+rectangle, the centre of gravity MARGIN inside the polygon, three feet down, feet two radii apart,
+the body anywhere between the ends of the trace.
 """
 
 from __future__ import annotations
@@ -10,18 +12,25 @@ import math
 from collections import deque
 from functools import cache
 
-from planner.course import EDGE, Sampled
-from planner.machine import Machine
-from planner.support import polygon_margin, support_polygon
-from planner.terrain import TerrainMap
+from walking_console.planner.geometry.paths import EDGE, SampledPath
+from walking_console.planner.robot.model import Machine
+from walking_console.planner.stability import polygon_margin, support_polygon
+from walking_console.planner.terrain.map import TerrainMap
 
 MARGIN = 0.01
 Feet = tuple[tuple[float, float] | None, ...]
 
 
-def farthest_reachable(machine: Machine, terrain: TerrainMap, course: Sampled, start: Feet) -> int:
-    """The farthest sample any sequence of lifting, placing and moving along the trace can bring the body to."""
-    poses = [(float(x), float(y), float(yaw)) for x, y, yaw in zip(course.x, course.y, course.yaw, strict=True)]
+def farthest_reachable(
+    machine: Machine, terrain: TerrainMap, course: SampledPath, start: Feet
+) -> int:
+    """The farthest sample any sequence of lifting, placing and moving along the trace can bring the
+    body to.
+    """
+    poses = [
+        (float(x), float(y), float(yaw))
+        for x, y, yaw in zip(course.x, course.y, course.yaw, strict=True)
+    ]
     cells = [
         terrain.centre(row, column)
         for row in range(terrain.rows)
@@ -43,7 +52,9 @@ def farthest_reachable(machine: Machine, terrain: TerrainMap, course: Sampled, s
     @cache
     def carries(feet: frozenset[tuple[float, float]]) -> frozenset[int]:
         polygon = support_polygon(feet)
-        return frozenset(k for k, (x, y, _) in enumerate(poses) if polygon_margin(polygon, x, y) >= MARGIN - EDGE)
+        return frozenset(
+            k for k, (x, y, _) in enumerate(poses) if polygon_margin(polygon, x, y) >= MARGIN - EDGE
+        )
 
     @cache
     def valid(feet: Feet) -> frozenset[int]:
@@ -51,18 +62,28 @@ def farthest_reachable(machine: Machine, terrain: TerrainMap, course: Sampled, s
         if len(standing) < 3:
             return frozenset()
         for a, (_, p) in enumerate(standing):
-            if any(math.hypot(p[0] - q[0], p[1] - q[1]) < 2 * machine.foot_radius - EDGE for _, q in standing[:a]):
+            if any(
+                math.hypot(p[0] - q[0], p[1] - q[1]) < 2 * machine.foot_radius - EDGE
+                for _, q in standing[:a]
+            ):
                 return frozenset()
-        return carries(frozenset(foot for _, foot in standing)).intersection(*(in_reach(leg, foot) for leg, foot in standing))
+        return carries(frozenset(foot for _, foot in standing)).intersection(
+            *(in_reach(leg, foot) for leg, foot in standing)
+        )
 
-    usable = [[cell for cell in {*cells, *([start[leg]] if start[leg] else [])} if in_reach(leg, cell)] for leg in range(len(machine.legs))]
+    usable = [
+        [cell for cell in {*cells, *([start[leg]] if start[leg] else [])} if in_reach(leg, cell)]
+        for leg in range(len(machine.legs))
+    ]
     first = (start, _run(valid(start), 0))
     seen, queue, most = {first}, deque([first]), 0
     while queue:
         feet, run = queue.popleft()
         most = max(most, *run)
         for leg, foot in enumerate(feet):
-            changes: list[tuple[float, float] | None] = list(usable[leg]) if foot is None else [None]
+            changes: list[tuple[float, float] | None] = (
+                list(usable[leg]) if foot is None else [None]
+            )
             for new in changes:
                 after = (*feet[:leg], new, *feet[leg + 1 :])
                 there = valid(after)

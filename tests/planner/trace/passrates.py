@@ -1,4 +1,5 @@
-"""Pass rates of free and rigid gaits against the fraction of ground allowed: ``python passrates.py FOLDER [seeds]``.
+"""Pass rates of free and rigid gaits against the fraction of ground allowed: ``python passrates.py
+FOLDER [seeds]``.
 
 Writes ``trace-pass-rates.md`` and ``.png`` into FOLDER. Not a test: it takes a while.
 """
@@ -12,26 +13,40 @@ from pathlib import Path
 
 from rollout import field_of, walk
 
-from planner.machine import load_machine
-from planner.trace.curve import trace_for
-from planner.trace.gait import GAITS
-from planner.vocabulary import Command
+from walking_console.planner.robot.model import load_machine
+from walking_console.planner.trace.paths import trace_for
+from walking_console.planner.trace.periodic_gaits import GAITS
+from walking_console.planner.types import Command
 
 FRACTIONS = (0.10, 0.06, 0.04, 0.03, 0.02)
 LENGTH = 8.0  # m of s, fixed yaw: m of path
 
 
 def rate(name: str, fraction: float, seeds: int) -> tuple[int, float, int]:
-    """How many of the fields are crossed, the median planning time in ms per metre walked, and faults seen."""
+    """How many of the fields are crossed, the median planning time in ms per metre walked, and
+    faults seen.
+    """
     machine = load_machine("hexapod")
     trace = trace_for({"kind": "sine"}, machine)
     passed, costs, faults = 0, [], 0
     for seed in range(seeds):
         terrain = field_of(fraction, seed, machine)
         begin = time.process_time()
-        walked = walk(machine, terrain, Command(speed=0.3), trace, until=LENGTH, rigid=GAITS.get(name), check=False)
+        walked = walk(
+            machine,
+            terrain,
+            Command(speed=0.3),
+            trace,
+            until=LENGTH,
+            rigid=GAITS.get(name),
+            check=False,
+        )
         costs.append((time.process_time() - begin) * 1e3 / max(walked.stance.course, 0.1))
-        again = walk(machine, terrain, Command(speed=0.3), trace, until=LENGTH, rigid=GAITS.get(name)) if seed < 5 else None
+        again = (
+            walk(machine, terrain, Command(speed=0.3), trace, until=LENGTH, rigid=GAITS.get(name))
+            if seed < 5
+            else None
+        )
         faults += len(again.faults) if again else 0
         passed += walked.stance.course >= LENGTH
     return passed, statistics.median(costs), faults
@@ -45,12 +60,21 @@ def main(folder: Path, seeds: int) -> None:
             count = seeds if name == "free" and fraction < 1.0 else max(seeds // 4, 5)
             table[name, fraction] = (*rate(name, fraction, count), count)
             print(fraction, name, table[name, fraction], flush=True)
-    lines = ["| allowed | " + " | ".join(gaits) + " | planning, free (ms/m, median) |", "|---|" + "---|" * (len(gaits) + 1)]
+    lines = [
+        "| allowed | " + " | ".join(gaits) + " | planning, free (ms/m, median) |",
+        "|---|" + "---|" * (len(gaits) + 1),
+    ]
     for fraction in (1.0, *FRACTIONS):
         cells = [f"{table[name, fraction][0]}/{table[name, fraction][3]}" for name in gaits]
-        lines.append(f"| {fraction:.0%} | " + " | ".join(cells) + f" | {table['free', fraction][1]:.0f} |")
+        lines.append(
+            f"| {fraction:.0%} | " + " | ".join(cells) + f" | {table['free', fraction][1]:.0f} |"
+        )
     (folder / "trace-pass-rates-table.md").write_text("\n".join(lines) + "\n", "utf-8")
-    draw(folder / "trace-pass-rates.png", gaits, {key: value[0] / value[3] for key, value in table.items()})
+    draw(
+        folder / "trace-pass-rates.png",
+        gaits,
+        {key: value[0] / value[3] for key, value in table.items()},
+    )
 
 
 def draw(path: Path, gaits: tuple[str, ...], rates: dict[tuple[str, float], float]) -> None:
@@ -62,7 +86,13 @@ def draw(path: Path, gaits: tuple[str, ...], rates: dict[tuple[str, float], floa
     figure, axes = plt.subplots(figsize=(6.4, 3.8))
     for name in gaits:
         wide = 2.4 if name == "free" else 1.2
-        axes.plot([100 * f for f in FRACTIONS], [100 * rates[name, f] for f in FRACTIONS], "o-", label=name, linewidth=wide)
+        axes.plot(
+            [100 * f for f in FRACTIONS],
+            [100 * rates[name, f] for f in FRACTIONS],
+            "o-",
+            label=name,
+            linewidth=wide,
+        )
     axes.set_xlabel("ground allowed, % of 5 cm cells")
     axes.set_ylabel("fields crossed, %")
     axes.set_title("8 m of y = 0.6 sin x, hexapod, 1 cm margin", fontsize=10)

@@ -1,34 +1,43 @@
-"""What a prediction tells viewers: the trace ahead, the footholds, the bars of the existence-segment chart."""
+"""What a prediction tells viewers: the trace ahead, the footholds, the bars of the
+existence-segment chart.
+"""
 
 import math
 from typing import Any
 
 import pytest
 
-from planner.vocabulary import Command, TraceAhead
-from server.console import Console, prepare
-from sim.scenarios import scenario_from
+from walking_console.planner.types import Command, GaitPreview
+from walking_console.sim.scenario import scenario_from
+from walking_console.sim.simulation import Simulation, prepare
 
 WALKED = Command(speed=0.1)
 
 
-def walking(ticks: int, fraction: float = 0.1, **more: Any) -> Console:
+def walking(ticks: int, fraction: float = 0.1, **more: Any) -> Simulation:
     terrain = {"kind": "footholds", "fraction": fraction}
-    console = Console(prepare(scenario_from({"name": "six", "robot": "hexapod", "planner": "trace", "terrain": terrain, **more}, None)))
+    console = Simulation(
+        prepare(
+            scenario_from(
+                {"name": "six", "robot": "hexapod", "planner": "trace", "terrain": terrain, **more},
+                None,
+            )
+        )
+    )
     for _ in range(ticks):
         console.order(WALKED)
         console.tick()
     return console
 
 
-def foreseen(console: Console) -> TraceAhead:
+def foreseen(console: Simulation) -> GaitPreview:
     ahead = console.snapshot().ahead
     assert ahead is not None
     return ahead
 
 
 @pytest.fixture(scope="module")
-def on_its_way() -> Console:
+def on_its_way() -> Simulation:
     return walking(400, trace={"kind": "sine", "speed": 0.1})
 
 
@@ -48,35 +57,35 @@ def test_a_joystick_walker_foresees_nothing_until_it_is_told_to_walk() -> None:
 
 
 def test_a_crab_walker_foresees_no_trace() -> None:
-    assert Console(prepare(scenario_from({"name": "flat"}, None))).snapshot().ahead is None
+    assert Simulation(prepare(scenario_from({"name": "flat"}, None))).snapshot().ahead is None
 
 
-def test_the_line_goes_on_from_the_machine(on_its_way: Console) -> None:
+def test_the_line_goes_on_from_the_machine(on_its_way: Simulation) -> None:
     snapshot, ahead = on_its_way.snapshot(), foreseen(on_its_way)
     near = min(ahead.line, key=lambda point: abs(point[0] - snapshot.course))
     assert math.hypot(near[1] - snapshot.body[0], near[2] - snapshot.body[1]) < 0.15
     assert ahead.line[0][0] <= snapshot.course <= ahead.reached <= ahead.goal + 1e-9
 
 
-def test_a_foot_stands_on_a_foothold_only_while_it_exists(on_its_way: Console) -> None:
+def test_a_foot_stands_on_a_foothold_only_while_it_exists(on_its_way: Simulation) -> None:
     for bars in foreseen(on_its_way).bars:
         for s1, s2, placed, lifted in bars[1:]:
             assert s1 - 0.02 <= placed <= lifted <= s2 + 0.02
 
 
-def test_successive_states_overlap_as_far_as_the_walk_is_sure(on_its_way: Console) -> None:
+def test_successive_states_overlap_as_far_as_the_walk_is_sure(on_its_way: Simulation) -> None:
     states = foreseen(on_its_way).states
     assert len(states) > 5 and len(states) % 2 == 1
     for before, after in zip(states, states[1:], strict=False):
         assert max(before[0], after[0]) <= min(before[1], after[1]) + 1e-9
 
 
-def test_footholds_are_allowed_ground(on_its_way: Console) -> None:
+def test_footholds_are_allowed_ground(on_its_way: Simulation) -> None:
     for footholds in foreseen(on_its_way).footholds:
         assert all(on_its_way.belief.allows(x, y) for x, y, _ in footholds)
 
 
-def test_it_is_the_same_object_until_something_else_is_foreseen(on_its_way: Console) -> None:
+def test_it_is_the_same_object_until_something_else_is_foreseen(on_its_way: Simulation) -> None:
     assert on_its_way.snapshot().ahead is on_its_way.snapshot().ahead
 
 

@@ -5,14 +5,16 @@ import math
 import numpy as np
 import pytest
 
-from planner.course import Sampled, twist_of
-from planner.trace.curve import KINDS, STEP, TraceError, joystick_trace, trace_from
+from walking_console.planner.geometry.paths import SampledPath, arc_of_command
+from walking_console.planner.trace.paths import KINDS, STEP, TraceError, joystick_trace, trace_from
 
 RHO = 0.75
 
 
-def lengths(course: Sampled) -> np.ndarray:
-    return np.sqrt(np.diff(course.x) ** 2 + np.diff(course.y) ** 2 + (RHO * np.diff(course.yaw)) ** 2)
+def lengths(course: SampledPath) -> np.ndarray:
+    return np.sqrt(
+        np.diff(course.x) ** 2 + np.diff(course.y) ** 2 + (RHO * np.diff(course.yaw)) ** 2
+    )
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -41,16 +43,20 @@ def test_a_circle_comes_back() -> None:
 
 
 def test_waypoints_are_passed_with_their_yaws() -> None:
-    course = trace_from({"kind": "waypoints", "waypoints": [[0, 0, 0], [2, 1, 45], [3, 3, 90]], "yaw": "fixed"}, RHO)
+    course = trace_from(
+        {"kind": "waypoints", "waypoints": [[0, 0, 0], [2, 1, 45], [3, 3, 90]], "yaw": "fixed"}, RHO
+    )
     off = np.abs(course.x - 2) + np.abs(course.y - 1) + np.abs(course.yaw - math.radians(45))
     assert off.min() < 0.02
 
 
 def test_a_joystick_trace_is_the_twist_of_the_course_core() -> None:
-    twist, _ = twist_of(0.4, 0.2, -0.3, RHO)
+    arc, _ = arc_of_command(0.4, 0.2, -0.3, RHO)
     course = joystick_trace((0.0, 0.0, 0.0), 0.4, 0.2, -0.3, RHO, ahead=2.0)
     for k in (0, 50, 200):
-        assert (course.x[k], course.y[k], course.yaw[k]) == pytest.approx(twist.pose(k * STEP), abs=1e-12)
+        assert (course.x[k], course.y[k], course.yaw[k]) == pytest.approx(
+            arc.pose(k * STEP), abs=1e-12
+        )
 
 
 @pytest.mark.parametrize(

@@ -4,11 +4,21 @@ from fractions import Fraction
 
 import pytest
 
-from planner.trace.gait import GAITS, GaitError, RigidGait, fractions_of, may_be_stable, rigid_gait, rows_of
+from walking_console.planner.trace.periodic_gaits import (
+    GAITS,
+    GaitError,
+    RigidGait,
+    fractions_of,
+    may_be_stable,
+    rigid_gait,
+    rows_of,
+)
 
 
 def test_the_tripod_is_the_papers() -> None:
-    """K fig. 3 prints 14/15 and 11/15; the digits it prints for α1 contradict that value, the fraction is right."""
+    """K fig. 3 prints 14/15 and 11/15; the digits it prints for α1 contradict that value, the
+    fraction is right.
+    """
     assert GAITS["tripod"].fractions == (Fraction(14, 15), Fraction(11, 15)) * 3
     assert GAITS["tripod"].rows[1] == (1, 0, 1, 0, 1, 0)
 
@@ -26,7 +36,15 @@ def test_every_shipped_gait_meets_the_necessary_condition(name: str) -> None:
 
 
 def test_the_condition_is_not_sufficient() -> None:
-    fractions = (Fraction(1), Fraction(1), Fraction(1, 3), Fraction(1, 3), Fraction(1, 3), Fraction(1, 3))  # 1 1 0 0 0 0 every other state
+    # 1 1 0 0 0 0 every other state
+    fractions = (
+        Fraction(1),
+        Fraction(1),
+        Fraction(1, 3),
+        Fraction(1, 3),
+        Fraction(1, 3),
+        Fraction(1, 3),
+    )
     assert may_be_stable(fractions)
     with pytest.raises(GaitError, match="stands on 2 legs in state 1"):
         RigidGait("hop", rows_of(fractions))
@@ -46,7 +64,9 @@ def test_legs_move_in_this_order(name: str, groups: tuple[tuple[int, ...], ...])
 
 
 def test_an_unknown_gait_is_answered_with_the_known_ones() -> None:
-    with pytest.raises(GaitError, match="unknown gait 'trot'; there are: free, tripod, wave, ripple, gallop"):
+    with pytest.raises(
+        GaitError, match="unknown gait 'trot'; there are: free, tripod, wave, ripple, gallop"
+    ):
         rigid_gait("trot")
 
 

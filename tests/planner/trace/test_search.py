@@ -7,24 +7,45 @@ import pytest
 from exhaustive import farthest_reachable
 from rollout import field_of, gait_of
 
-from planner.course import Sampled
-from planner.lookahead import in_one_go
-from planner.machine import Machine, load_machine
-from planner.terrain import TerrainMap
-from planner.trace.curve import STEP, trace_from
-from planner.trace.footholds import AIR, Field, Lane, first_bit, run_end, run_start, span
-from planner.trace.search import search
-from planner.trace.states import State, end_of, k_step
+from walking_console.planner.geometry.paths import SampledPath
+from walking_console.planner.robot.model import Machine, load_machine
+from walking_console.planner.search import in_one_go
+from walking_console.planner.terrain.map import TerrainMap
+from walking_console.planner.trace.paths import STEP, trace_from
+from walking_console.planner.trace.reachability import (
+    AIR,
+    Field,
+    Lane,
+    first_bit,
+    run_end,
+    run_start,
+    span,
+)
+from walking_console.planner.trace.state_search import search
+from walking_console.planner.trace.state_sequence import State, end_of, k_step
 
 HEXAPOD = load_machine("hexapod")
 
 
-def field_on_trace(terrain: TerrainMap, samples: int, machine: Machine = HEXAPOD, step: float = STEP) -> tuple[Field, State]:
+def field_on_trace(
+    terrain: TerrainMap, samples: int, machine: Machine = HEXAPOD, step: float = STEP
+) -> tuple[Field, State]:
     course = trace_from({"kind": "sine"}, machine.yaw_length, step=step)
     part = slice(0, samples + 1)
-    lane = Lane(course.x[None, part], course.y[None, part], course.yaw[part], np.full(samples + 1, gait_of(machine).height))
+    lane = Lane(
+        course.x[None, part],
+        course.y[None, part],
+        course.yaw[part],
+        np.full(samples + 1, gait_of(machine).height),
+    )
     field = Field(lane, terrain, machine).find_all()
-    return field, State(tuple(field.stand(leg, (*description.centre, 0.0), 0) for leg, description in enumerate(machine.legs)), 0)
+    return field, State(
+        tuple(
+            field.stand(leg, (*description.centre, 0.0), 0)
+            for leg, description in enumerate(machine.legs)
+        ),
+        0,
+    )
 
 
 def test_samples_are_bits() -> None:
@@ -54,13 +75,22 @@ def test_successive_states_overlap() -> None:
 
 
 @pytest.mark.parametrize("seed", (101, 104, 106, 107, 110, 111))
-def test_where_an_exhaustive_search_finds_a_way_so_does_the_planner_and_nowhere_else(seed: int) -> None:
-    """Thin ground, 0.75 m of trace in coarse samples: some of these fields can be crossed, some cannot."""
+def test_where_an_exhaustive_search_finds_a_way_so_does_the_planner_and_nowhere_else(
+    seed: int,
+) -> None:
+    """Thin ground, 0.75 m of trace in coarse samples: some of these fields can be crossed, some
+    cannot.
+    """
     samples, step = 15, 0.05
     terrain = field_of(0.01, seed, HEXAPOD, (-1.0, 1.8, -1.0, 1.4))
     field, start = field_on_trace(terrain, samples, step=step)
     course = trace_from({"kind": "sine"}, HEXAPOD.yaw_length, step=step)
-    short = Sampled(step, course.x[: samples + 1].copy(), course.y[: samples + 1].copy(), course.yaw[: samples + 1].copy())
+    short = SampledPath(
+        step,
+        course.x[: samples + 1].copy(),
+        course.y[: samples + 1].copy(),
+        course.yaw[: samples + 1].copy(),
+    )
     most = farthest_reachable(HEXAPOD, terrain, short, tuple(leg.centre for leg in HEXAPOD.legs))
     path = in_one_go(search(field, start, samples, 1_000_000))
     assert path.farthest == most
@@ -91,10 +121,15 @@ def test_with_sway_a_field_can_be_crossed_that_the_trace_alone_cannot() -> None:
         tx, ty = np.gradient(x), np.gradient(y)
         size = np.hypot(tx, ty)
         lane = Lane(
-            np.stack([x - sway * ty / size for sway in sways]), np.stack([y + sway * tx / size for sway in sways]), yaw, np.full(321, 0.5)
+            np.stack([x - sway * ty / size for sway in sways]),
+            np.stack([y + sway * tx / size for sway in sways]),
+            yaw,
+            np.full(321, 0.5),
         )
         field = Field(lane, terrain, HEXAPOD).find_all()
-        start = State(tuple(field.stand(leg, (*d.centre, 0.0), 0) for leg, d in enumerate(HEXAPOD.legs)), 0)
+        start = State(
+            tuple(field.stand(leg, (*d.centre, 0.0), 0) for leg, d in enumerate(HEXAPOD.legs)), 0
+        )
         reached.append(in_one_go(search(field, start, 320, 40_000)).farthest)
     assert reached[1] >= reached[0]
     assert math.isclose(reached[1], 320, abs_tol=0)

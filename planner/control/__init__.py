@@ -1,0 +1,1 @@
+"""Level C (H §8, §9) and its conversation with Level B."""

@@ -1,0 +1,559 @@
+"""Level C (H §8): every 20 ms, from the monitors and the running step, the velocity each foot gets.
+
+Body axes: x forward, y left, z up, origin at the centre of gravity; angles right-handed, pitch
+about +y (nose down positive), roll about +x (left side up positive). Three departures from print:
+the plan is evaluated at the tick where H sums v·Δt (a sum misses knots by up to V·Δt = 20 mm);
+supporting legs are all given one rigid motion of the body, so they never pull against each other;
+θ_p is pitch and θ_r roll, which the sentence under (37) swaps. Plain floats and flat code
+throughout: this runs every tick.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ..robot.model import Machine
+from ..types import TICK, Array, Phase, Point, Sensing, Stance, StepPlan
+
+TURN_MIN = 1e-12  # rad; less than this to turn in one tick is no turn
+LEVEL = 1e-12  # rad; a posture sensor that reads less reads level
+ZERO = (0.0, 0.0, 0.0)
+LEVEL_LEAN = (0.0, 0.0)  # gradient of the body's floor
+
+
+@dataclass(frozen=True, slots=True)
+class Gains:
+    """Weights of Level C. The defaults are P control with both of H's z-direction reflexes on."""
+
+    position: float = 1.0  # of the error in (38); 1 closes it in one tick, above 2 see feet ring
+    # C1 of (36), per tick; too small: see the torso stay tilted, 2 and more: see it rock up
+    posture: float = 0.2
+    # C2·Δz of (36), m a tick; too small: see legs hang over low ground, too large: see them stamp
+    pliancy: float = 0.002
+    # PID option: of what the servos missed; 0 is P control, above 1 see feet ring
+    integral: float = 0.0
+    derivative: float = 0.0  # PID option: of the change of what they missed
+    # m; the integral never asks for more than this in one tick, however long a servo is stuck
+    windup: float = 0.005
+
+
+class ReflexState(NamedTuple):
+    """What Level C remembers from tick to tick of one step; a new step starts with ``next_step``."""
+
+    landed: tuple[bool, ...]  # swing legs that have touched down early and carry since
+    aims: tuple[Point, ...] = ()  # PID option: where each foot should be by now, body axes, m
+    misses: tuple[Point, ...] = ()  # PID option: by how much it was missed one tick ago, m
+    sums: tuple[Point, ...] = ()  # PID option: all misses so far, m
+
+    @staticmethod
+    def begin(legs: int) -> ReflexState:
+        """Nothing has landed, nothing has been summed."""
+        return ReflexState((False,) * legs)
+
+    def next_step(self) -> ReflexState:
+        """The same at a step-switching point: nothing has landed in the step that begins; the sums
+        go on.
+        """
+        return self._replace(landed=(False,) * len(self.landed)) if True in self.landed else self
+
+
+class _Stretch(NamedTuple):
+    """One straight line between knots, unpacked into plain floats."""
+
+    start: float  # s
+    body: tuple[float, float, float, float]  # x, y, z, yaw at its start
+    rate: tuple[float, float, float, float]  # per second
+    air: tuple[int, ...]  # legs in the air
+    stand: tuple[int, ...]  # legs that carry
+    down: bool  # the legs in the air are coming down: a touch is a landing
+    # x, y, z and their rates, one row per leg
+    feet: tuple[tuple[float, float, float, float, float, float], ...]
+    ground: float  # mean z of the carrying feet, m
+
+
+class TrajectoryTracker:
+    """A ``StepPlan`` made ready to be evaluated tick by tick."""
+
+    __slots__ = ("plan", "duration", "leans", "asked", "_times", "_stretches", "_last", "_paces")
+
+    def __init__(self, plan: StepPlan) -> None:
+        times, body, feet = plan.times.tolist(), plan.body.tolist(), plan.feet.tolist()
+        self.plan = plan
+        self.duration: float = times[-1]
+        self._times: list[float] = times
+        self._stretches = [_stretch(plan, k, times, body, feet) for k in range(len(times) - 1)]
+        self._last = 0
+        self._paces: list[float] | None = None
+        after = plan.end.lean
+        before = after if plan.lean is None else plan.lean
+        self.leans = before != LEVEL_LEAN or after != LEVEL_LEAN
+        # roll and pitch Level C last asked for
+        self.asked = attitude_of(before, body[0][3]) if self.leans else LEVEL_LEAN
+
+    def stretch(self, t: float) -> int:
+        """Index of the stretch between knots that contains t; a knot belongs to the stretch that
+        ends there.
+        """
+        times, k = self._times, self._last
+        if not times[k] < t <= times[k + 1]:
+            k = min(max(bisect_right(times, t) - 1, 0), len(times) - 2)
+            if k > 0 and times[k] == t:
+                k -= 1
+            self._last = k
+        return k
+
+    def phase(self, t: float) -> Phase:
+        """What the swing legs do at t."""
+        return self.plan.phases[self.stretch(t)]
+
+    def body_at(self, t: float) -> tuple[float, float, float, float]:
+        """Where the plan has the body at t: x, y, z, yaw."""
+        start, (x, y, z, yaw), (vx, vy, vz, turn), *_ = self._stretches[self.stretch(t)]
+        s = min(max(t, 0.0), self.duration) - start
+        return x + vx * s, y + vy * s, z + vz * s, yaw + turn * s
+
+    def body_moves(self, t: float) -> bool:
+        """True when the plan has the body go or turn at t."""
+        vx, vy, _, turn = self._stretches[self.stretch(t)].rate
+        return vx != 0.0 or vy != 0.0 or turn != 0.0
+
+    def foot_at(self, leg: int, t: float) -> Point:
+        """Where the plan has one foot tip at t."""
+        stretch = self._stretches[self.stretch(t)]
+        s = min(max(t, 0.0), self.duration) - stretch.start
+        x, y, z, vx, vy, vz = stretch.feet[leg]
+        return x + vx * s, y + vy * s, z + vz * s
+
+    def lean_at(self, t: float) -> tuple[float, float]:
+        """How the plan has the body lean at t."""
+        after = self.plan.end.lean
+        before = self.plan.lean
+        if before is None or before == after or t >= self.duration:
+            return after
+        share = max(t, 0.0) / self.duration
+        return before[0] + share * (after[0] - before[0]), before[1] + share * (
+            after[1] - before[1]
+        )
+
+    def pace_max(self, t: float, machine: Machine) -> float:
+        """How many times faster than planned the stretch at t may be played before a foot exceeds
+        its limit.
+        """
+        return self._paces_of(machine)[self.stretch(t)]
+
+    def _paces_of(self, machine: Machine) -> list[float]:
+        if self._paces is None:
+            # a leaning leg goes sideways as it goes up
+            tilt = max(math.hypot(*self.lean_at(0.0)), math.hypot(*self.plan.end.lean))
+            limits = (
+                machine.speed[0] / (1.0 + tilt),
+                machine.speed[1] / (1.0 + tilt),
+                machine.speed[2] / (1.0 + tilt),
+            )
+            self._paces = [
+                _pace(stretch, end, limits)
+                for stretch, end in zip(self._stretches, self._times[1:], strict=True)
+            ]
+        return self._paces
+
+    def onward(
+        self, t: float, seconds: float, pace: float, machine: Machine
+    ) -> tuple[float, float]:
+        """Where playing from t at ``pace`` times the plan's speed gets in so many seconds, and the
+        seconds left at its end.
+
+        No stretch is played faster than its feet allow: the foot of a creeping body comes down no
+        faster than ever.
+        """
+        times, paces = self._times, self._paces_of(machine)
+        for k in range(max(bisect_right(times, t) - 1, 0), len(paces)):
+            allowed = min(pace, max(1.0, paces[k]))
+            needed = (times[k + 1] - t) / allowed
+            if needed > seconds:
+                return t + allowed * seconds, 0.0
+            t, seconds = times[k + 1], seconds - needed
+        return t, seconds
+
+
+def _stretch(
+    plan: StepPlan,
+    k: int,
+    times: list[float],
+    body: list[list[float]],
+    feet: list[list[list[float]]],
+) -> _Stretch:
+    phase, legs = plan.phases[k], range(len(feet[0]))
+    air = plan.swing
+    # a supporting foot does not move in the absolute frame; one that waits in the air goes with the
+    # body
+    if phase is Phase.SUPPORT:
+        air = tuple(leg for leg in air if feet[k][leg] != feet[k + 1][leg])
+    stand = tuple(leg for leg in legs if leg not in air)
+    duration = times[k + 1] - times[k]
+    per_second = 1.0 / duration if duration > 0.0 else 0.0
+    x, y, z, yaw = body[k]
+    rate = [(b - a) * per_second for a, b in zip(body[k], body[k + 1], strict=True)]
+    rows = []
+    for a, b in zip(feet[k], feet[k + 1], strict=True):
+        rows.append(
+            (
+                a[0],
+                a[1],
+                a[2],
+                (b[0] - a[0]) * per_second,
+                (b[1] - a[1]) * per_second,
+                (b[2] - a[2]) * per_second,
+            )
+        )
+    ground = sum(rows[leg][2] for leg in stand) / len(stand) if stand else 0.0
+    return _Stretch(
+        times[k],
+        (x, y, z, yaw),
+        (rate[0], rate[1], rate[2], rate[3]),
+        air,
+        stand,
+        phase is Phase.DOWN,
+        tuple(rows),
+        ground,
+    )
+
+
+def _pace(stretch: _Stretch, end: float, limits: tuple[float, float, float]) -> float:
+    """Limit over speed of the fastest foot axis of one stretch, body axes; infinite when nothing
+    moves.
+    """
+    share = 0.0
+    duration = end - stretch.start
+    # a turning body: three looks, good to a percent
+    for s in (0.0, duration / 2, duration) if stretch.rate[3] else (0.0,):
+        x, y, _, yaw = (
+            value + rate * s for value, rate in zip(stretch.body, stretch.rate, strict=True)
+        )
+        c, d, turn = math.cos(yaw), math.sin(yaw), stretch.rate[3]
+        for fx, fy, _, vx, vy, vz in stretch.feet:
+            # seen from the turning body, absolute axes
+            wx = vx - stretch.rate[0] + turn * (fy + vy * s - y)
+            wy = vy - stretch.rate[1] - turn * (fx + vx * s - x)
+            axes = (c * wx + d * wy, c * wy - d * wx, vz - stretch.rate[2])
+            share = max(share, *(abs(v) / limit for v, limit in zip(axes, limits, strict=True)))
+    return 1.0 / share if share > 0.0 else math.inf
+
+
+def attitude_of(lean: tuple[float, float], yaw: float) -> tuple[float, float]:
+    """Roll and pitch of a body of this yaw whose floor has this gradient along absolute x and y."""
+    c, s = math.cos(yaw), math.sin(yaw)
+    ahead, left = c * lean[0] + s * lean[1], c * lean[1] - s * lean[0]
+    return math.asin(left / math.sqrt(1.0 + ahead * ahead + left * left)), -math.atan(ahead)
+
+
+def holding_plan(stance: Stance) -> StepPlan:
+    """The plan that stands where it stands, for ticks in which nothing is to move."""
+    body: Array = np.array([stance.body, stance.body], dtype=np.float64)
+    feet: Array = np.array([stance.feet, stance.feet], dtype=np.float64)
+    return StepPlan(stance.lifted, np.array([0.0, TICK]), body, feet, (Phase.SHIFT,), stance)
+
+
+def reflex(
+    playback: TrajectoryTracker,
+    t_next: float,
+    sensing: Sensing,
+    state: ReflexState,
+    gains: Gains,
+    dt: float = TICK,
+) -> tuple[list[Point], ReflexState]:
+    """One tick of Level C: the body-frame foot velocities, m/s, that bring everything to where the
+    plan has it at ``t_next``.
+    """
+    if playback.leans:
+        return leaning_reflex(playback, t_next, sensing, state, gains, dt)
+    (bx, by, _, roll, pitch, yaw), feet_b, soles = sensing.body, sensing.feet_b, sensing.soles
+    start, body, rate, air, stand, down, feet, ground = playback._stretches[
+        playback.stretch(t_next)
+    ]
+    s = (
+        0.0 if t_next < 0.0 else t_next if t_next < playback.duration else playback.duration
+    ) - start
+    x, y, z = body[0] + rate[0] * s, body[1] + rate[1] * s, body[2] + rate[2] * s
+    heading = body[3] + rate[3] * s
+
+    landed: tuple[int, ...] = ()
+    if air:
+        if down:  # early touchdown: a foot whose sole switches on stops and joins the support
+            for leg in air:
+                if soles[leg] and not state.landed[leg]:
+                    state = state._replace(
+                        landed=tuple(on or leg == i for i, on in enumerate(state.landed))
+                    )
+        if True in state.landed:
+            landed = tuple(leg for leg in air if state.landed[leg])
+            air = tuple(leg for leg in air if not state.landed[leg])
+
+    # (37): how far the carrying feet's mean height is from the plan's; landed feet have no planned
+    # height to hold
+    measured, carrying = 0.0, 0
+    for leg in stand:
+        if soles[leg]:
+            measured += feet_b[leg][2]
+            carrying += 1
+    off = carrying < len(stand)
+    if off:
+        lift = _lift(feet, stand, soles, feet_b, z)
+    else:
+        lift = ground - z - measured / carrying if carrying else 0.0
+    tilted = roll > LEVEL or pitch > LEVEL or roll < -LEVEL or pitch < -LEVEL
+    if tilted and carrying:
+        lift += _lean(stand, soles, feet_b, roll, pitch) / carrying
+
+    # (34), (35): one rigid motion for all carrying legs, from the body's monitored place to its
+    # planned one
+    c, d = math.cos(yaw), math.sin(yaw)
+    px, py, turn = x - bx, y - by, heading - yaw
+    px, py = c * px + d * py, c * py - d * px
+    simple = gains.integral == 0.0 and gains.derivative == 0.0
+    gain = gains.position / dt if simple else 1.0
+    out: list[Point] = [ZERO] * len(feet_b)
+    if -TURN_MIN < turn < TURN_MIN:
+        shared = (-px * gain, -py * gain, lift * gain)
+        for leg in stand:
+            out[leg] = shared
+        for leg in landed:
+            out[leg] = shared
+    else:
+        e, f = math.cos(turn), math.sin(turn)
+        for leg in stand + landed:
+            mx, my, _ = feet_b[leg]
+            ax, ay = mx - px, my - py
+            out[leg] = ((e * ax + f * ay - mx) * gain, (e * ay - f * ax - my) * gain, lift * gain)
+        c, d = math.cos(heading), math.sin(heading)
+
+    # (33), table 3: swing legs follow the plan, seen from where the body will be
+    for leg in air:
+        fx, fy, fz, vx, vy, vz = feet[leg]
+        mx, my, mz = feet_b[leg]
+        fx, fy, fz = fx + vx * s - x, fy + vy * s - y, fz + vz * s - z
+        fx, fy = c * fx + d * fy, c * fy - d * fx
+        if tilted:  # the body is not level; first order in its angles
+            fx, fy, fz = fx - fz * pitch, fy + fz * roll, fz + fx * pitch - fy * roll
+        out[leg] = ((fx - mx) * gain, (fy - my) * gain, (fz - mz) * gain)  # (38)
+
+    if not simple:
+        state = _pid(out, stand, landed, feet_b, state, gains, dt)
+    if tilted or off:
+        _adjust(out, stand + landed, soles, feet_b, roll, pitch, gains, dt)
+    return out, state
+
+
+def leaning_reflex(
+    playback: TrajectoryTracker,
+    t_next: float,
+    sensing: Sensing,
+    state: ReflexState,
+    gains: Gains,
+    dt: float,
+) -> tuple[list[Point], ReflexState]:
+    """The same for a plan that leans, with the body's whole rotation: to first order feet would
+    miss by millimetres.
+
+    C1 levels towards the lean of the plan: what the posture is off by goes down by that share a
+    tick, the plan's own turning is followed.
+    """
+    (bx, by, _, roll, pitch, yaw), feet_b, soles = sensing.body, sensing.feet_b, sensing.soles
+    start, body, rate, air, stand, down, feet, ground = playback._stretches[
+        playback.stretch(t_next)
+    ]
+    s = (0.0 if t_next < 0.0 else min(t_next, playback.duration)) - start
+    x, y, z = body[0] + rate[0] * s, body[1] + rate[1] * s, body[2] + rate[2] * s
+    heading = body[3] + rate[3] * s
+    if air and down:
+        state = state._replace(
+            landed=tuple(on or (leg in air and soles[leg]) for leg, on in enumerate(state.landed))
+        )
+    landed = tuple(leg for leg in air if state.landed[leg])
+    swinging = tuple(leg for leg in air if not state.landed[leg])
+
+    now = rotation(roll, pitch, yaw)
+    reached = [_turned(now, foot) for foot in feet_b]
+    on = [leg for leg in stand if soles[leg]]
+    # of the body, from where its feet stand (37)
+    height = sum(feet[leg][2] - reached[leg][2] for leg in on) / len(on) if on else z
+
+    wanted, (asked_roll, asked_pitch) = (
+        attitude_of(playback.lean_at(t_next), heading),
+        playback.asked,
+    )
+    playback.asked = wanted
+    keep = 1.0 - gains.posture
+    then = rotation(
+        wanted[0] + keep * (roll - asked_roll), wanted[1] + keep * (pitch - asked_pitch), heading
+    )
+
+    simple = gains.integral == 0.0 and gains.derivative == 0.0
+    gain = gains.position / dt if simple else 1.0
+    out: list[Point] = [ZERO] * len(feet_b)
+    for leg in stand + landed:  # one rigid motion of the body for all that carry
+        px, py, pz = reached[leg]
+        out[leg] = _towards(
+            unturned(then, (px + bx - x, py + by - y, pz + height - z)), feet_b[leg], gain
+        )
+    for leg in swinging:
+        fx, fy, fz, vx, vy, vz = feet[leg]
+        out[leg] = _towards(
+            unturned(then, (fx + vx * s - x, fy + vy * s - y, fz + vz * s - z)), feet_b[leg], gain
+        )
+    if not simple:
+        state = _pid(out, stand, landed, feet_b, state, gains, dt)
+    for leg in stand + landed:
+        if not soles[leg]:
+            vx, vy, vz = out[leg]
+            out[leg] = (vx, vy, vz - gains.pliancy / dt)  # C2 Δz
+    return out, state
+
+
+def rotation(roll: float, pitch: float, yaw: float) -> tuple[float, ...]:
+    """Body axes to absolute axes: nine numbers, row by row."""
+    cr, sr, cp, sp, cy, sy = (
+        math.cos(roll),
+        math.sin(roll),
+        math.cos(pitch),
+        math.sin(pitch),
+        math.cos(yaw),
+        math.sin(yaw),
+    )
+    return (
+        cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr,
+        sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr,
+        -sp, cp * sr, cp * cr,
+    )  # fmt: skip
+
+
+def _turned(r: tuple[float, ...], p: Point) -> Point:
+    return (
+        r[0] * p[0] + r[1] * p[1] + r[2] * p[2],
+        r[3] * p[0] + r[4] * p[1] + r[5] * p[2],
+        r[6] * p[0] + r[7] * p[1] + r[8] * p[2],
+    )
+
+
+def unturned(r: tuple[float, ...], p: Point) -> Point:
+    """From absolute axes to body axes."""
+    return (
+        r[0] * p[0] + r[3] * p[1] + r[6] * p[2],
+        r[1] * p[0] + r[4] * p[1] + r[7] * p[2],
+        r[2] * p[0] + r[5] * p[1] + r[8] * p[2],
+    )
+
+
+def _towards(there: Point, here: Point, gain: float) -> Point:
+    return (there[0] - here[0]) * gain, (there[1] - here[1]) * gain, (there[2] - here[2]) * gain
+
+
+def _lift(
+    feet: tuple[tuple[float, ...], ...],
+    stand: tuple[int, ...],
+    soles: tuple[bool, ...],
+    feet_b: tuple[Point, ...],
+    z: float,
+) -> float:
+    """(37) over the legs that do carry, when some sole is off: a leg in the air says nothing about
+    the height.
+    """
+    on = [leg for leg in stand if soles[leg]]
+    return sum(feet[leg][2] - z - feet_b[leg][2] for leg in on) / len(on) if on else 0.0
+
+
+def _lean(
+    stand: tuple[int, ...],
+    soles: tuple[bool, ...],
+    feet_b: tuple[Point, ...],
+    roll: float,
+    pitch: float,
+) -> float:
+    """What tilting adds to the carrying feet's heights in body axes, summed; first order in the
+    angles.
+    """
+    return sum(feet_b[leg][0] * pitch - feet_b[leg][1] * roll for leg in stand if soles[leg])
+
+
+def _adjust(
+    out: list[Point],
+    stand: tuple[int, ...],
+    soles: tuple[bool, ...],
+    feet_b: tuple[Point, ...],
+    roll: float,
+    pitch: float,
+    gains: Gains,
+    dt: float,
+) -> None:
+    """Second and third term of (36): level the torso, and reach for the ground with a carrying leg
+    whose sole is off.
+    """
+    for leg in stand:
+        x, y, _ = feet_b[leg]
+        vx, vy, vz = out[leg]
+        vz += gains.posture * (y * roll - x * pitch) / dt  # C1 (-x θ_p + y θ_r)
+        if not soles[leg]:
+            vz -= gains.pliancy / dt  # C2 Δz
+        out[leg] = (vx, vy, vz)
+
+
+def _pid(
+    out: list[Point],
+    stand: tuple[int, ...],
+    landed: tuple[int, ...],
+    feet_b: tuple[Point, ...],
+    state: ReflexState,
+    gains: Gains,
+    dt: float,
+) -> ReflexState:
+    """Turn position errors into velocities by PID, in place.
+
+    The integral is of what was missed of the tick before, not of the error, which holds the motion
+    still to come; it is held to ``windup``, and carrying legs share one, so that they do not pull
+    against each other.
+    """
+    aims = tuple(
+        (x + dx, y + dy, z + dz) for (x, y, z), (dx, dy, dz) in zip(feet_b, out, strict=True)
+    )
+    before = state.aims or feet_b
+    misses = [
+        (ax - x, ay - y, az - z) for (ax, ay, az), (x, y, z) in zip(before, feet_b, strict=True)
+    ]
+    if stand:
+        shared = _mean(misses, stand)
+        for leg in stand + landed:
+            misses[leg] = shared
+    old, sums, bound = (
+        state.misses or (ZERO,) * len(out),
+        [],
+        gains.windup / gains.integral if gains.integral else 0.0,
+    )
+    for total, miss in zip(state.sums or (ZERO,) * len(out), misses, strict=True):
+        x, y, z = (
+            max(-bound, min(bound, value + more)) for value, more in zip(total, miss, strict=True)
+        )
+        sums.append((x, y, z))
+    if stand:
+        shared = _mean(sums, stand)
+        for leg in stand + landed:
+            sums[leg] = shared
+    for leg, error in enumerate(out):
+        x, y, z = (
+            (gains.position * e + gains.integral * total + gains.derivative * (miss - last)) / dt
+            for e, total, miss, last in zip(error, sums[leg], misses[leg], old[leg], strict=True)
+        )
+        out[leg] = (x, y, z)
+    return state._replace(aims=aims, misses=tuple(misses), sums=tuple(sums))
+
+
+def _mean(points: list[Point], legs: tuple[int, ...]) -> Point:
+    n = len(legs)
+    return (
+        sum(points[i][0] for i in legs) / n,
+        sum(points[i][1] for i in legs) / n,
+        sum(points[i][2] for i in legs) / n,
+    )

@@ -1,0 +1,1 @@
+"""Transforms, polygons and paths: one place each."""

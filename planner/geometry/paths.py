@@ -1,0 +1,248 @@
+"""Distance s along the body's course: the one idea under both papers.
+
+H walks straight lines L_G at crab angle α, K any trace {ξ(s), η(s), β(s)}. What both ask of a
+course is the same: where is the body after s, where is a standing foot then *in body axes*, and
+over which s does that foot stay inside its leg's reach rectangle (K's existence segment; its right
+end is H's g_i, §5.2 (4)-(9)).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Box = tuple[float, float, float, float]  # x_min, x_max, y_min, y_max in body axes
+EDGE = 1e-9  # m; a foot this far outside its rectangle counts as on the edge: rounding, not a fault
+FOREVER = math.inf
+
+
+class ArcPath(NamedTuple):
+    """A course of constant arc from the present pose, in present body axes: a line when ``turn``
+    is 0, else an arc.
+
+    Per metre of s the body moves (``ux``, ``uy``) and turns ``turn`` radians. With the yaw length
+    scale ρ, ds² = dξ² + dη² + (ρ dβ)², so ux² + uy² + (ρ turn)² = 1 and a turn on the spot has a
+    length too.
+    """
+
+    ux: float
+    uy: float
+    turn: float = 0.0
+
+    def pose(self, s: float) -> tuple[float, float, float]:
+        """The body after s: dx, dy in present body axes and the change of yaw."""
+        if self.turn == 0.0:
+            return self.ux * s, self.uy * s, 0.0
+        angle = self.turn * s
+        sine, versine = math.sin(angle) / self.turn, (1.0 - math.cos(angle)) / self.turn
+        return self.ux * sine - self.uy * versine, self.ux * versine + self.uy * sine, angle
+
+    def seen(self, x: float, y: float, s: float) -> tuple[float, float]:
+        """A standing foot, now at (x, y) in body axes, as the body sees it after s."""
+        dx, dy, angle = self.pose(s)
+        x, y = x - dx, y - dy
+        if angle == 0.0:
+            return x, y
+        c, d = math.cos(angle), math.sin(angle)
+        return c * x + d * y, c * y - d * x
+
+    def exit(self, x: float, y: float, box: Box) -> float:
+        """How far the body may go before the foot at (x, y) leaves ``box``: H §5.2 (4)-(9) on a
+        line; negative behind it.
+        """
+        if self.turn != 0.0:
+            return self.segment(x, y, box)[1]
+        return line_exit(x, y, box, self.ux, self.uy)
+
+    def segment(self, x: float, y: float, box: Box) -> tuple[float, float]:
+        """K's existence segment [s1, s2] of a foothold at (x, y): the first connected one with s2
+        >= 0.
+
+        On an arc that never meets the box it is empty: (inf, -inf). On an arc that never leaves it,
+        (-inf, inf).
+        """
+        if self.turn == 0.0:
+            return line_segment(x, y, box, self.ux, self.uy)
+        return _arc_segment(x, y, box, self)
+
+
+def arc_of_command(
+    crab_angle: float, speed: float, turn_rate: float, yaw_length: float
+) -> tuple[ArcPath, float]:
+    """The course of a joystick command and its pace ds/dt in m/s (0 when nothing is commanded)."""
+    pace = math.hypot(speed, yaw_length * turn_rate)
+    if pace == 0.0:
+        return ArcPath(math.cos(crab_angle), math.sin(crab_angle)), 0.0
+    return ArcPath(
+        speed * math.cos(crab_angle) / pace, speed * math.sin(crab_angle) / pace, turn_rate / pace
+    ), pace
+
+
+def line_exit(x: float, y: float, box: Box, ux: float, uy: float) -> float:
+    """Distance along (ux, uy) after which a standing foot leaves the rectangle's far side: g_i of H
+    §5.2 (4)-(9).
+    """
+    g = FOREVER
+    if ux > 1e-12:
+        g = (x - box[0]) / ux
+    elif ux < -1e-12:
+        g = (x - box[1]) / ux
+    if uy > 1e-12:
+        g_y = (y - box[2]) / uy
+    elif uy < -1e-12:
+        g_y = (y - box[3]) / uy
+    else:
+        return g
+    return g if g < g_y else g_y
+
+
+def line_segment(x: float, y: float, box: Box, ux: float, uy: float) -> tuple[float, float]:
+    """The interval of s over which a standing foot is inside the rectangle on a straight course;
+    (inf, -inf) if never.
+    """
+    s1, s2 = -FOREVER, FOREVER
+    for position, direction, low, high in ((x, ux, box[0], box[1]), (y, uy, box[2], box[3])):
+        if abs(direction) < 1e-12:
+            if not low - EDGE <= position <= high + EDGE:
+                return FOREVER, -FOREVER
+            continue
+        a, b = (position - high) / direction, (position - low) / direction
+        if a > b:
+            a, b = b, a
+        s1, s2 = max(s1, a), min(s2, b)
+    return (s1, s2) if s1 <= s2 + EDGE else (FOREVER, -FOREVER)
+
+
+def arc_exit(x: float, y: float, box: Box, arc: ArcPath, outside: float = EDGE) -> float:
+    """How far the body may go on an arc before a foot that is in the rectangle leaves it; 0 for one
+    that is not.
+
+    The g_i of H §5.2 on an arc. Quicker than the existence segment, which also knows footholds not
+    yet in reach. A foot up to ``outside`` beyond an edge and coming in counts as in: it has touched
+    early, or the body is not quite where it should be.
+    """
+    if arc.turn == 0.0:
+        return max(0.0, line_exit(x, y, box, arc.ux, arc.uy))
+    cx, cy = -arc.uy / arc.turn, arc.ux / arc.turn
+    rx, ry = x - cx, y - cy
+    radius = math.hypot(rx, ry)
+    if radius < 1e-12:
+        return FOREVER if _inside(x, y, box) else 0.0
+    way = -1.0 if arc.turn > 0.0 else 1.0  # in body axes the foot goes the other way round
+    place = math.atan2(ry, rx)
+    least = FOREVER
+    for out, beyond, edge in (
+        (0.0, x - box[1], box[1] - cx),
+        (math.pi, box[0] - x, cx - box[0]),
+        (math.pi / 2, y - box[3], box[3] - cy),
+        (-math.pi / 2, box[2] - y, cy - box[2]),
+    ):
+        if beyond > max(outside, EDGE):
+            return 0.0
+        if edge >= radius:
+            continue
+        angle = way * (place - out)
+        if beyond > -EDGE and math.sin(angle) < 0.0:
+            return 0.0
+        least = min(least, (-math.acos(max(-1.0, edge / radius)) - angle) % (2 * math.pi))
+    return least / abs(arc.turn)
+
+
+def _arc_segment(x: float, y: float, box: Box, arc: ArcPath) -> tuple[float, float]:
+    """Existence segment on an arc, closed form: in body axes the foot circles the turning centre."""
+    cx, cy = -arc.uy / arc.turn, arc.ux / arc.turn
+    radius, start = math.hypot(x - cx, y - cy), math.atan2(y - cy, x - cx)
+    crossings = sorted(
+        (start - angle) / arc.turn + turn * abs(2 * math.pi / arc.turn)
+        for angle in _edge_angles(cx, cy, radius, box)
+        for turn in (-2, -1, 0, 1, 2)
+    )
+    if not crossings:
+        inside = _inside(x, y, box)
+        return (-FOREVER, FOREVER) if inside else (FOREVER, -FOREVER)
+    for s1, s2 in zip(crossings, crossings[1:], strict=False):
+        if s2 < -EDGE or s2 - s1 < EDGE:
+            continue
+        if _inside(*arc.seen(x, y, (s1 + s2) / 2), box):
+            return s1, s2
+    return FOREVER, -FOREVER
+
+
+def _edge_angles(cx: float, cy: float, radius: float, box: Box) -> list[float]:
+    """Angles about the centre at which its circle meets the rectangle's four edge lines within the
+    edges.
+    """
+    angles = []
+    for edge, low, high, c_along, c_across, upright in (
+        (box[0], box[2], box[3], cy, cx, True),
+        (box[1], box[2], box[3], cy, cx, True),
+        (box[2], box[0], box[1], cx, cy, False),
+        (box[3], box[0], box[1], cx, cy, False),
+    ):
+        offset = edge - c_across
+        half = radius * radius - offset * offset
+        if half < 0.0:
+            continue
+        for along in (math.sqrt(half), -math.sqrt(half)):
+            if low - EDGE <= c_along + along <= high + EDGE:
+                angles.append(math.atan2(along, offset) if upright else math.atan2(offset, along))
+    return angles
+
+
+def _inside(x: float, y: float, box: Box) -> bool:
+    return box[0] - EDGE <= x <= box[1] + EDGE and box[2] - EDGE <= y <= box[3] + EDGE
+
+
+@dataclass(frozen=True, eq=False)
+class SampledPath:
+    """A course of any shape as poses at equal steps of s (K "motion trace"), straight between
+    samples; absolute frame.
+
+    Planning on it talks about sample numbers: between two samples a standing foot moves straight in
+    body axes (with a fixed yaw; otherwise within 0.1 mm for a step of 0.01 m), so what holds at
+    both samples holds between them: rectangles and support polygons are convex.
+    """
+
+    step: float  # m of s between samples
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    yaw: NDArray[np.float64]  # rad, not wrapped
+
+    def __post_init__(self) -> None:
+        if not len(self.x) == len(self.y) == len(self.yaw) >= 1:
+            raise ValueError(
+                f"a course needs as many x, y and yaw, at least one: got {len(self.x)}, {len(self.y)}, {len(self.yaw)}"
+            )
+        for array in (self.x, self.y, self.yaw):
+            array.setflags(write=False)
+
+    @property
+    def last(self) -> int:
+        """Number of the last sample."""
+        return len(self.x) - 1
+
+    @property
+    def length(self) -> float:
+        return self.last * self.step
+
+    @cached_property
+    def turns(self) -> bool:
+        """True when the yaw changes along the course."""
+        return bool(np.ptp(self.yaw) > 1e-9)
+
+    def pose(self, s: float) -> tuple[float, float, float]:
+        """x, y, yaw after s; held at the ends."""
+        at = min(max(s / self.step, 0.0), float(self.last))
+        k = min(int(at), max(self.last - 1, 0))
+        part, nxt = at - k, min(k + 1, self.last)
+        x, y, yaw = self.x, self.y, self.yaw
+        return (
+            float(x[k] + part * (x[nxt] - x[k])),
+            float(y[k] + part * (y[nxt] - y[k])),
+            float(yaw[k] + part * (yaw[nxt] - yaw[k])),
+        )

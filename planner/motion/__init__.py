@@ -1,0 +1,1 @@
+"""How a decided step moves."""

@@ -1,0 +1,113 @@
+"""Level B3 (H §6): the height of the next foothold and of the body, and what of the ground the body
+and the lift must clear.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..robot.model import Machine
+from ..terrain.map import TerrainMap
+from ..types import Gait, Point
+from .timing import Swing
+
+# m between a lifted foot, or the torso, and the highest ground under its way; less: see it scuff
+CLEARANCE = 0.02
+
+
+def ground_ahead(left: Point, right: Point, ux: float, uy: float) -> tuple[float, float]:
+    """ẑ_A and |A|: the height predicted where the course meets the line of the two leading feet,
+    and how far ahead that is.
+
+    Interpolated by the line's own parameter, not by x as printed: the feet may be level in x. A
+    course that does not pass between the feet takes their mean, at the nearer one's distance.
+    """
+    left_across, right_across = ux * left[1] - uy * left[0], ux * right[1] - uy * right[0]
+    left_along, right_along = ux * left[0] + uy * left[1], ux * right[0] + uy * right[1]
+    spread = left_across - right_across
+    w = left_across / spread if abs(spread) > 1e-9 else -1.0
+    if not 0.0 <= w <= 1.0:
+        return (left[2] + right[2]) / 2, min(left_along, right_along)
+    # H §6 (20)
+    return left[2] + w * (right[2] - left[2]), left_along + w * (right_along - left_along)
+
+
+def body_height(
+    z: float, g: float, ahead: tuple[float, float], height: float, low: float, high: float
+) -> float:
+    """Height of the CoG at N_{k+1}: on the straight line to H above the ground at A, within what
+    the standing legs reach.
+    """
+    ground, distance = ahead
+    share = g / distance if distance > g else 1.0
+    return min(max(z + share * (ground + height - z), low), high)  # H §6 (21)
+
+
+def height_range(machine: Machine, heights: Sequence[float]) -> tuple[float, float]:
+    """Lowest and highest CoG at which feet on these heights are all in reach; low > high when there
+    is none.
+    """
+    low, high = machine.z_range
+    return max(heights) - high, min(heights) - low
+
+
+def torso_needs(terrain: TerrainMap, machine: Machine, x: float, y: float, yaw: float) -> float:
+    """Lowest CoG at which the torso at (x, y, yaw) passes over the ground, m; -inf where there is
+    none. First a square around it.
+    """
+    reach = math.hypot(machine.torso[0], machine.torso[1]) / 2
+    return (
+        terrain.crest_in(x - reach, x + reach, y - reach, y + reach)
+        + machine.torso[2] / 2
+        + CLEARANCE
+    )
+
+
+def torso_needs_exactly(
+    terrain: TerrainMap, machine: Machine, x: float, y: float, yaw: float
+) -> float:
+    """As ``torso_needs`` with the turned rectangle itself, sampled at half the map's spacing; about
+    ten times slower.
+    """
+    half_length, half_width = machine.torso[0] / 2, machine.torso[1] / 2
+    along = np.linspace(-half_length, half_length, math.ceil(4 * half_length / terrain.cell) + 1)
+    across = np.linspace(-half_width, half_width, math.ceil(4 * half_width / terrain.cell) + 1)
+    px, py = (grid.ravel() for grid in np.meshgrid(along, across))
+    c, s = math.cos(yaw), math.sin(yaw)
+    columns = np.floor((x + c * px - s * py - terrain.origin[0]) / terrain.cell).astype(np.int64)
+    rows = np.floor((y + s * px + c * py - terrain.origin[1]) / terrain.cell).astype(np.int64)
+    inside = (columns >= 0) & (columns < terrain.columns) & (rows >= 0) & (rows < terrain.rows)
+    heights = terrain.heights[rows[inside], columns[inside]]
+    solid = heights[~np.isnan(heights)]
+    return (float(solid.max()) if solid.size else -math.inf) + machine.torso[2] / 2 + CLEARANCE
+
+
+def lift(
+    foot: Point,
+    landing: Point,
+    crest: float,
+    ceiling: float,
+    height: float,
+    machine: Machine,
+    gait: Gait,
+) -> Swing:
+    """The corners of the swing: standing, lifted, above the landing point, and the aim h_up below
+    it (H §4.5, fig. 8).
+
+    The lift clears the crest under the way; it is cut where the leg cannot be drawn higher, the aim
+    where it cannot reach lower.
+    """
+    clear = crest + CLEARANCE
+    top = max(min(max(foot[2] + gait.lift_up, clear), ceiling), foot[2])
+    over = max(min(max(landing[2] + gait.lift_up, clear), ceiling), landing[2])
+    lowest = height + machine.z_range[0] - machine.overreach[2]
+    aim = max(landing[2] + gait.lift_up - gait.lift_down, min(lowest, landing[2]))
+    return (
+        foot,
+        (foot[0], foot[1], top),
+        (landing[0], landing[1], over),
+        (landing[0], landing[1], aim),
+    )

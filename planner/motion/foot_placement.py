@@ -1,0 +1,201 @@
+"""Getting a lifted foot back on the ground while the body stands still: after a stop, or from an
+emergent motion.
+
+Static stability makes a stop safe at any tick: the other feet carry the body where it is. What is
+left is the swing foot, which goes to the nearest valid ground in its present reach by its own
+clock.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..robot.model import Leg, Machine
+from ..terrain.map import TerrainMap
+from ..types import TICK, Blocked, Gait, Phase, Point, Stance, StepPlan
+
+CLEARANCE = 0.03  # m above the highest ground on the way; smaller and toes scrape
+
+
+def settle_plan(
+    stance: Stance, leg: int, terrain: TerrainMap, machine: Machine, gait: Gait
+) -> StepPlan | Blocked:
+    """Set the lifted foot of ``leg`` down on the nearest valid ground within its reach; the body
+    stays where it is.
+
+    ``stance`` holds the present pose with the foot in the air. Blocked when there is no such
+    ground.
+    """
+    landing = nearest_ground(stance, leg, terrain, machine)
+    if landing is None:
+        return Blocked("no ground within reach to set the lifted foot down", leg)
+    foot = stance.feet[leg]
+    top = max(foot[2], terrain.crest_between(foot[0], foot[1], landing[0], landing[1]) + CLEARANCE)
+    across, vertical = min(machine.speed[:2]) / gait.peak, machine.speed[2] / gait.peak
+    moved = math.hypot(landing[0] - foot[0], landing[1] - foot[1])
+    if moved < 1e-6:
+        top = foot[2]
+    knots: list[Point] = [
+        (foot[0], foot[1], top),
+        (landing[0], landing[1], top),
+        _aim(landing, machine, stance, leg, gait),
+    ]
+    seconds = ((top - foot[2]) / vertical, moved / across, (top - knots[2][2]) / vertical)
+    return body_still_plan(
+        stance, leg, [foot, *knots], seconds, (Phase.UP, Phase.RETURN, Phase.DOWN), landing
+    )
+
+
+def settle_together(
+    stance: Stance, legs: Sequence[int], terrain: TerrainMap, machine: Machine, gait: Gait
+) -> StepPlan | Blocked:
+    """Set several lifted feet down at once, each on its nearest ground; one without ground stays
+    lifted. Blocked when all are.
+    """
+    if stance.lifted:
+        stance = replace(stance, lifted=())
+    if len(legs) == 1:
+        return settle_plan(stance, legs[0], terrain, machine, gait)
+    plans = {
+        leg: plan
+        for leg in legs
+        if isinstance(plan := settle_plan(stance, leg, terrain, machine, gait), StepPlan)
+    }
+    if not plans:
+        return Blocked("no ground within reach to set any lifted foot down", legs[0])
+    stays = tuple(leg for leg in legs if leg not in plans)
+    phases = (Phase.UP, Phase.RETURN, Phase.DOWN)
+    rows, seconds = [list(stance.feet)], []
+    for phase in phases:
+        row, longest = rows[-1].copy(), 0.0
+        for leg, plan in plans.items():
+            if phase in plan.phases:
+                k = plan.phases.index(phase)
+                longest = max(longest, float(plan.times[k + 1] - plan.times[k]))
+                x, y, z = plan.feet[k + 1, leg].tolist()
+                row[leg] = x, y, z
+        rows.append(row)
+        seconds.append(longest)
+    kept = [0, *(k for k, duration in enumerate(seconds, 1) if duration > 0.0)]
+    feet = list(stance.feet)
+    for leg, plan in plans.items():
+        feet[leg] = plan.end.feet[leg]
+    return StepPlan(
+        swing=tuple(plans), times=np.cumsum([0.0, *(seconds[k - 1] for k in kept[1:])]), body=np.array([stance.body] * len(kept)),
+        feet=np.array([rows[k] for k in kept]), phases=tuple(phases[k - 1] for k in kept[1:]),
+        end=replace(stance, feet=tuple(feet), lifted=stays), landing=next(iter(plans.values())).landing,
+    )  # fmt: skip
+
+
+def nearest_ground(stance: Stance, leg: int, terrain: TerrainMap, machine: Machine) -> Point | None:
+    """The valid landing point nearest to a lifted foot: straight below if it may land there, else a
+    cell centre.
+    """
+    x, y, _ = stance.feet[leg]
+    spec, reach = machine.legs[leg], 0.0
+    for reach in (0.0, min(machine.overreach[:2])):
+        if _fits(x, y, stance, spec, terrain, machine, reach):
+            return x, y, terrain.height_at(x, y)
+        points = sorted(
+            _centres_in_reach(stance, spec, terrain, reach),
+            key=lambda p: (math.hypot(p[0] - x, p[1] - y), p),
+        )
+        for px, py in points:
+            if _fits(px, py, stance, spec, terrain, machine, reach) and _way_is_low(
+                stance, leg, px, py, terrain, machine
+            ):
+                return px, py, terrain.height_at(px, py)
+    return None
+
+
+def _fits(
+    x: float,
+    y: float,
+    stance: Stance,
+    leg: Leg,
+    terrain: TerrainMap,
+    machine: Machine,
+    reach: float,
+) -> bool:
+    """In the reach rectangle, on a cell that may be stepped on, at a height the leg can stand at."""
+    if not terrain.allows(x, y):
+        return False
+    bx, by = _in_body(x, y, stance.body)
+    if not (
+        leg.x[0] - reach <= bx <= leg.x[1] + reach and leg.y[0] - reach <= by <= leg.y[1] + reach
+    ):
+        return False
+    drop = terrain.height_at(x, y) - stance.body[2]
+    return leg.z[0] - machine.overreach[2] <= drop <= leg.z[1]
+
+
+def _way_is_low(
+    stance: Stance, leg: int, x: float, y: float, terrain: TerrainMap, machine: Machine
+) -> bool:
+    """True when the leg can lift the foot over everything between here and there."""
+    foot = stance.feet[leg]
+    crest = terrain.crest_between(foot[0], foot[1], x, y) + CLEARANCE
+    return crest <= max(foot[2], stance.body[2] + machine.legs[leg].z[1] + machine.overreach[2])
+
+
+def _centres_in_reach(
+    stance: Stance, leg: Leg, terrain: TerrainMap, reach: float
+) -> list[tuple[float, float]]:
+    x, y, _, yaw = stance.body
+    corners = [
+        (cx, cy)
+        for cx in (leg.x[0] - reach, leg.x[1] + reach)
+        for cy in (leg.y[0] - reach, leg.y[1] + reach)
+    ]
+    c, s = math.cos(yaw), math.sin(yaw)
+    xs = [x + c * cx - s * cy for cx, cy in corners]
+    ys = [y + s * cx + c * cy for cx, cy in corners]
+    c0, c1 = (math.floor((v - terrain.origin[0]) / terrain.cell) for v in (min(xs), max(xs)))
+    r0, r1 = (math.floor((v - terrain.origin[1]) / terrain.cell) for v in (min(ys), max(ys)))
+    return [
+        terrain.centre(row, column)
+        for row in range(max(r0, 0), min(r1, terrain.rows - 1) + 1)
+        for column in range(max(c0, 0), min(c1, terrain.columns - 1) + 1)
+    ]
+
+
+def _in_body(x: float, y: float, body: tuple[float, float, float, float]) -> tuple[float, float]:
+    c, s = math.cos(body[3]), math.sin(body[3])
+    x, y = x - body[0], y - body[1]
+    return c * x + s * y, c * y - s * x
+
+
+def _aim(landing: Point, machine: Machine, stance: Stance, leg: int, gait: Gait) -> Point:
+    """h_up below the expected ground, as far as the mechanical reach goes: touch decides (H §4.5)."""
+    bottom = stance.body[2] + machine.legs[leg].z[0] - machine.overreach[2]
+    return landing[0], landing[1], min(landing[2], max(landing[2] - gait.lift_up, bottom))
+
+
+def body_still_plan(
+    stance: Stance,
+    leg: int,
+    knots: list[Point],
+    seconds: tuple[float, ...],
+    phases: tuple[Phase, ...],
+    landing: Point,
+) -> StepPlan:
+    """One foot goes along ``knots`` (the first is where it is), ``seconds`` and a phase per
+    stretch; the body stays where it is.
+    """
+    kept = [0, *(k for k, duration in enumerate(seconds, 1) if duration > 0.0)]
+    if len(kept) == 1:  # nowhere to go: one tick of staying
+        kept, knots, seconds = [0, 1], [knots[0], knots[0]], (TICK,)
+    times = np.cumsum([0.0, *(seconds[k - 1] for k in kept[1:])])
+    feet = np.array(
+        [[knots[k] if i == leg else foot for i, foot in enumerate(stance.feet)] for k in kept]
+    )
+    body = np.array([stance.body] * len(kept))
+    ends = tuple(landing if i == leg else foot for i, foot in enumerate(stance.feet))
+    return StepPlan(
+        swing=(leg,), times=times, body=body, feet=feet, phases=tuple(phases[k - 1] for k in kept[1:]),
+        end=replace(stance, feet=ends), landing=landing,
+    )  # fmt: skip

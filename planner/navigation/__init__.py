@@ -1,0 +1,1 @@
+"""Level B1 (H §3): detours round ground that cannot be stepped over."""

@@ -1,0 +1,433 @@
+"""What the map says of the places the body may go to (Level B1): where it can stand, and how well.
+
+The yaw does not change in a crab walk, so a place of the body is a point and everything below is
+sums over rectangles of the map turned into body axes. A place is *fit* when
+
+- every leg has ground to step on within its reach rectangle. As the body moves on, a foothold stays
+  in the rectangle for up to the stroke λ*, so "fit all along" is exactly "no gap in any leg's lane
+  is longer than the stroke allows"; a ``stretched`` survey takes the rectangles of legs stretched
+  to the mechanical limit, for where there is no other way;
+- the legs can reach the ground under them together, with a level body;
+- the torso clears the ground; and nothing bars a leg's whole lane that the leg cannot be lifted
+  over.
+
+Unknown ground counts as fit: it will be looked at before it is trodden on.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..crab.gait import kept
+from ..geometry.paths import Box
+from ..motion.body_height import CLEARANCE
+from ..robot.model import Machine
+from ..terrain.map import TerrainMap
+from ..types import Stance
+
+Array = NDArray[np.float64]
+Reals = NDArray[np.floating[Any]]
+Bools = NDArray[np.bool_]
+
+LAYER = 0.25  # m along the line between two layers of places
+ACROSS = 0.1  # m across the line between two places
+LEAD_MIN = 0.1  # m; a nearer first layer would be reached in the next step
+WIDTH = 2.0  # m to either side of the line; obstacles wider than twice this are not gone round
+BODIES_AHEAD = 2.0  # body lengths looked ahead
+SAMPLE = 0.05  # m, at which the map is read
+# of a sample, by which rectangles are widened: rather try a gap as long as the stroke than go round
+# it
+RIM = 0.6
+
+# of the usual density of footholds; what a place without any would cost, m per m
+SCARCE, SCARCE_COST = 0.5, 3.0
+SCARCE_BELOW = 0.3  # density that is never scarce
+WAY_OUT, UNFIT_COST = 0.35, 20.0  # m about a body that stands where it should not; m per m there
+# of z*; legs whose ground differs by more on average cannot stand together and still step
+RISE_SHARE = 0.96
+BARRED = 0.9  # of a lane's width; a leg finds its way past what covers less
+LOW_RELIEF = 0.05  # m; ground this even needs no survey of heights
+KNOWN_ENOUGH = 0.2  # of a leg's rectangle seen: enough to plan by
+
+FIT, STEEP, TORSO, WALL = 0, 100, 101, 102  # what a place is; 1..n: leg without a foothold
+
+
+class Region(NamedTuple):
+    """The places a route may go through, in the line's own axes: s ahead of the body, d to the left
+    of the line.
+    """
+
+    course: float  # rad, of the line in body axes
+    off: float  # m, where the body is
+    lead: float  # m to the first layer; layers lie at multiples of LAYER from where the line begins
+    layers: int
+    first: int  # number of the rightmost place; places are at multiples of ACROSS
+    places: int
+    body_length: float  # m
+    reach: Box  # all legs' reach
+
+    @classmethod
+    def of(
+        cls,
+        course: float,
+        along: float,
+        off: float,
+        machine: Machine,
+        width: float = WIDTH,
+        toward: float = 0.0,
+    ) -> Region:
+        """About a body at (along, off) on a line of this course, to either side of the body, the
+        line and ``toward``.
+        """
+        reach = (
+            min(box[0] for box in machine.boxes),
+            max(box[1] for box in machine.boxes),
+            min(box[2] for box in machine.boxes),
+            max(box[3] for box in machine.boxes),
+        )
+        length = reach[1] - reach[0]
+        lead = math.ceil((along + LEAD_MIN) / LAYER) * LAYER - along
+        low, high = (
+            math.floor((min(0.0, off, toward) - width) / ACROSS),
+            math.ceil((max(0.0, off, toward) + width) / ACROSS),
+        )
+        return cls(
+            course,
+            off,
+            lead,
+            math.ceil(BODIES_AHEAD * length / LAYER),
+            low,
+            high - low + 1,
+            length,
+            reach,
+        )
+
+    @property
+    def length(self) -> float:
+        """How far the region leads along the line, m."""
+        return self.lead + (self.layers - 1) * LAYER
+
+    @property
+    def extent(self) -> Box:
+        """The ground it takes, legs included, in body axes from where the body is now."""
+        c, s = math.cos(self.course), math.sin(self.course)
+        corners = [
+            (along * c - across * s, along * s + across * c)
+            for along in (0.0, self.length)
+            for across in (
+                self.first * ACROSS - self.off,
+                (self.first + self.places - 1) * ACROSS - self.off,
+            )
+        ]
+        xs, ys = zip(*corners, strict=True)
+        return (
+            min(xs) + self.reach[0],
+            max(xs) + self.reach[1],
+            min(ys) + self.reach[2],
+            max(ys) + self.reach[3],
+        )
+
+    def place(self, stance: Stance, s: float, d: float) -> tuple[float, float]:
+        """A place in the absolute frame."""
+        heading = self.course + stance.body[3]
+        c, n, across = math.cos(heading), math.sin(heading), d - self.off
+        return stance.body[0] + s * c - across * n, stance.body[1] + s * n + across * c
+
+    def seen_from(self, stance: Stance, x: float, y: float) -> tuple[float, float]:
+        """A point of the absolute frame as a place (s, d)."""
+        heading = self.course + stance.body[3]
+        c, n, x, y = math.cos(heading), math.sin(heading), x - stance.body[0], y - stance.body[1]
+        return c * x + n * y, self.off + c * y - n * x
+
+
+def is_plain(region: Region, stance: Stance, terrain: TerrainMap) -> bool:
+    """Nothing unknown, forbidden or high anywhere near: no need to survey."""
+    x_min, x_max, y_min, y_max = region.extent
+    x, y, _, yaw = stance.body
+    reach = (
+        max(math.hypot(px, py) for px in (x_min, x_max) for py in (y_min, y_max))
+        if yaw % (math.pi / 2)
+        else 0.0
+    )
+    c, s = math.cos(yaw), math.sin(yaw)
+    if reach:
+        low_x, high_x, low_y, high_y = x - reach, x + reach, y - reach, y + reach
+    else:
+        xs = [x + c * px - s * py for px in (x_min, x_max) for py in (y_min, y_max)]
+        ys = [y + s * px + c * py for px in (x_min, x_max) for py in (y_min, y_max)]
+        low_x, high_x, low_y, high_y = min(xs), max(xs), min(ys), max(ys)
+    c0, c1 = (math.floor((v - terrain.origin[0]) / terrain.cell) for v in (low_x, high_x))
+    r0, r1 = (math.floor((v - terrain.origin[1]) / terrain.cell) for v in (low_y, high_y))
+    if c0 < 0 or r0 < 0 or c1 >= terrain.columns or r1 >= terrain.rows:
+        return False
+    cut = (slice(r0, r1 + 1), slice(c0, c1 + 1))
+    if terrain.forbidden[cut].any() or (terrain.known is not None and not terrain.known[cut].all()):
+        return False
+    heights = terrain.heights[cut]
+    return bool(heights.max() - heights.min() <= LOW_RELIEF)
+
+
+def stretched_boxes(machine: Machine) -> tuple[Box, ...]:
+    """Every leg's reach rectangle where it stretches to the mechanical limit (``escape``)."""
+    dx, dy = (-kept(over, stretched=True) for over in machine.overreach[:2])
+    return tuple((x1 - dx, x2 + dx, y1 - dy, y2 + dy) for x1, x2, y1, y2 in machine.boxes)
+
+
+class Survey:
+    """The map around one stance, turned into body axes, and what it says of every place of the
+    body.
+    """
+
+    def __init__(
+        self,
+        region: Region,
+        stance: Stance,
+        terrain: TerrainMap,
+        machine: Machine,
+        stretched: bool = False,
+    ) -> None:
+        self.region, self.machine = region, machine
+        self.boxes = stretched_boxes(machine) if stretched else machine.boxes
+        self.step = max(SAMPLE, terrain.cell)
+        x_min, x_max, y_min, y_max = region.extent
+        pad = 2 * self.step
+        self.x = np.arange(x_min - pad, x_max + pad + self.step, self.step)
+        self.y = np.arange(y_min - pad, y_max + pad + self.step, self.step)
+        self._read(stance, terrain)
+        self.verdict, self.density, self.seen = self._judge(stance)
+        self.cost = self._cost()
+        self._let_out()
+
+    def _read(self, stance: Stance, terrain: TerrainMap) -> None:
+        """The map at every sample point; where cells are smaller, a foothold in any quarter of the
+        sample will do.
+        """
+        flat, inside = self._cells(stance, terrain, 0.0, 0.0)
+        self.known: Bools = (
+            inside if terrain.known is None else inside & terrain.known.ravel()[flat]
+        )
+        self.all_known = bool((self.known | ~inside).all())
+        self.heights: Array = np.where(inside, terrain.heights.ravel()[flat], np.nan)
+        quarter = self.step / 4
+        shifts = (
+            [(0.0, 0.0)]
+            if terrain.cell >= self.step
+            else [(dx, dy) for dx in (-quarter, quarter) for dy in (-quarter, quarter)]
+        )
+        open_ground = ~terrain.forbidden.ravel()
+        self.allowed: Bools = ~self.known & inside
+        for dx, dy in shifts:
+            cells, on_map = self._cells(stance, terrain, dx, dy)
+            self.allowed |= on_map & open_ground[cells]
+
+    def _cells(
+        self, stance: Stance, terrain: TerrainMap, dx: float, dy: float
+    ) -> tuple[NDArray[np.intp], Bools]:
+        """Flat index of the cell at every sample point moved by (dx, dy), and whether it is on the
+        map.
+        """
+        x, y, _, yaw = stance.body
+        c, s = math.cos(yaw), math.sin(yaw)
+        bx, by = (self.x + dx)[None, :], (self.y + dy)[:, None]
+        columns = np.floor((x - terrain.origin[0] + c * bx - s * by) / terrain.cell).astype(np.intp)
+        rows = np.floor((y - terrain.origin[1] + s * bx + c * by) / terrain.cell).astype(np.intp)
+        inside = (columns >= 0) & (columns < terrain.columns) & (rows >= 0) & (rows < terrain.rows)
+        return np.where(inside, rows * terrain.columns + columns, 0), inside
+
+    # places of the body
+
+    def _judge(self, stance: Stance) -> tuple[NDArray[np.uint8], Array, Array]:
+        """For the body at every sample point: fit or why not, least density of footholds, least
+        share of ground seen.
+        """
+        solid = self.allowed & ~np.isnan(self.heights)
+        footholds = Sums(self.allowed.astype(np.float64))
+        ground, weight = Sums(np.where(solid, self.heights, 0.0)), Sums(solid.astype(np.float64))
+        known = None if self.all_known else Sums(self.known.astype(np.float64))
+        verdict = np.zeros(self.allowed.shape, dtype=np.uint8)
+        density, seen = np.full(verdict.shape, np.inf), np.ones(verdict.shape)
+        low, high = np.full(verdict.shape, np.inf), np.full(verdict.shape, -np.inf)
+        walls = self._walls(solid)
+        for leg, box in enumerate(self.boxes):
+            window = self._window(box)
+            area = (window[1] - window[0]) * (window[3] - window[2])
+            count = footholds.of(window)
+            np.minimum(density, count / area, out=density)
+            if known is not None:
+                np.minimum(seen, known.of(window) / area, out=seen)
+            stands = weight.of(window)
+            mean = np.where(stands > 0.5, ground.of(window) / np.maximum(stands, 1.0), np.nan)
+            low, high = np.fmin(low, mean), np.fmax(high, mean)
+            if walls is not None:
+                verdict[(verdict == FIT) & self._barred(walls, window)] = WALL
+            verdict[(verdict == FIT) & (count < 0.5)] = leg + 1
+        legs_low, legs_high = self.machine.z_range
+        verdict[(verdict == FIT) & (high - low > RISE_SHARE * (legs_high - legs_low))] = STEEP
+        verdict[(verdict == FIT) & self._touches(low - legs_low)] = TORSO
+        return verdict, density, seen
+
+    def _window(self, box: Box) -> tuple[int, int, int, int]:
+        """A rectangle in body axes as sample offsets, first and one past last, in x and y."""
+        x1, x2, y1, y2 = (v / self.step for v in box)
+        return (
+            math.ceil(x1 - RIM),
+            math.floor(x2 + RIM) + 1,
+            math.ceil(y1 - RIM),
+            math.floor(y2 + RIM) + 1,
+        )
+
+    def _walls(self, solid: Bools) -> Bools | None:
+        """Ground a leg cannot be lifted over from the lowest ground around; None when there is
+        none.
+        """
+        known = np.where(np.isnan(self.heights) | ~self.known, np.inf, self.heights)
+        limit = (
+            self.machine.height + self.machine.z_range[1] + self.machine.overreach[2] - CLEARANCE
+        )
+        finite = known[np.isfinite(known)]
+        if finite.size == 0 or finite.max() - finite.min() <= limit:
+            return None
+        around = max(1, round((self.machine.boxes[0][3] - self.machine.boxes[0][2]) / self.step))
+        with np.errstate(invalid="ignore"):  # nothing known around: inf less inf
+            return np.asarray((known - _least_around(known, around) > limit) & np.isfinite(known))
+
+    def _barred(self, walls: Bools, window: tuple[int, int, int, int]) -> Bools:
+        """Where such ground covers a leg's lane from side to side, across the course."""
+        along_x = abs(math.cos(self.region.course)) >= abs(math.sin(self.region.course))
+        x1, x2, y1, y2 = window
+        depth, width = (
+            ((x1, x2, 0, 1), (0, 1, y1, y2)) if along_x else ((0, 1, y1, y2), (x1, x2, 0, 1))
+        )
+        covered = Sums(walls.astype(np.float64)).of(depth) > 0.5
+        share = Sums(covered.astype(np.float64)).of(width) / ((y2 - y1) if along_x else (x2 - x1))
+        return np.asarray(share >= BARRED)
+
+    def _touches(self, highest_body: Array) -> Bools:
+        """Where the torso would be in the ground even with the legs stretched."""
+        length, width, height = self.machine.torso
+        tops = np.where(np.isnan(self.heights) | ~self.known, -np.inf, self.heights)
+        belly = highest_body - height / 2 - CLEARANCE
+        floor = np.nanmin(belly) if np.isfinite(belly).any() else math.inf
+        if not (tops > floor).any():
+            return np.zeros(tops.shape, dtype=bool)
+        window = self._window((-length / 2, length / 2, -width / 2, width / 2))
+        with np.errstate(invalid="ignore"):
+            return np.asarray(_most_in(tops, window) > belly)
+
+    def _cost(self) -> Array:
+        """Metres a metre of way costs at every place; infinite where it is not fit."""
+        fit = self.verdict == FIT
+        usual = float(np.median(self.density[fit])) if fit.any() else 1.0
+        enough = min(SCARCE * usual, SCARCE_BELOW)
+        scarce = np.clip((enough - self.density) / max(enough, 1e-9), 0.0, 1.0)
+        return np.where(fit, 1.0 + SCARCE_COST * scarce * scarce, np.inf)
+
+    def _let_out(self) -> None:
+        """The body stands where it stands: a place that should not be fit may be left, at a price."""
+        if self.verdict[self.at(np.zeros(1), np.full(1, self.region.off))][0] == FIT:
+            return
+        near = np.hypot(self.x[None, :], self.y[:, None]) <= WAY_OUT
+        self.cost[near & ~np.isfinite(self.cost)] = UNFIT_COST
+
+    def at(self, s: Reals, d: Reals) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Row and column of the sample nearest to places (s, d)."""
+        c, n, across = (
+            math.cos(self.region.course),
+            math.sin(self.region.course),
+            d - self.region.off,
+        )
+        columns = np.rint((s * c - across * n - self.x[0]) / self.step).astype(np.intp)
+        rows = np.rint((s * n + across * c - self.y[0]) / self.step).astype(np.intp)
+        return np.clip(rows, 0, self.y.size - 1), np.clip(columns, 0, self.x.size - 1)
+
+    # lines
+
+    def along(self, s: float, d: float) -> Array:
+        """Cost a metre at samples of the straight way from the body to a place."""
+        length = math.hypot(s, d - self.region.off)
+        part = np.arange(1, max(1, math.ceil(length / self.step)) + 1) / max(
+            1, math.ceil(length / self.step)
+        )
+        return self.cost[self.at(part * s, self.region.off + part * (d - self.region.off))]
+
+    def straight_is_fit(self) -> bool:
+        """The commanded line itself is fit all along: it is not left only because footholds are
+        scarce on it.
+        """
+        return bool(np.isfinite(self.along(self.region.length, 0.0)).all())
+
+    def known_ahead(self, corners: tuple[tuple[float, float], ...]) -> float:
+        """How far the body may go by these corners (s, d) before ground it has not seen comes under
+        a leg, m.
+        """
+        if self.all_known:
+            return math.inf
+        walked, s1, d1 = 0.0, 0.0, self.region.off
+        for s2, d2 in corners:
+            length = math.hypot(s2 - s1, d2 - d1)
+            part = np.arange(math.ceil(length / self.step) + 1) * min(
+                1.0, self.step / max(length, 1e-9)
+            )
+            unseen = self.seen[self.at(s1 + part * (s2 - s1), d1 + part * (d2 - d1))] < KNOWN_ENOUGH
+            if unseen.any():
+                return walked + float(part[int(unseen.argmax())]) * length
+            walked, s1, d1 = walked + length, s2, d2
+        return math.inf
+
+    def why(self) -> str:
+        """What bars the commanded line first."""
+        s = np.arange(1, math.ceil(self.region.length / self.step) + 1) * self.step
+        verdicts = self.verdict[self.at(s, np.full(s.size, self.region.off))]
+        bars = np.flatnonzero(verdicts != FIT)
+        if bars.size == 0:
+            return "no step can be planned in any direction near the course"
+        distance, verdict = float(s[bars[0]]), int(verdicts[bars[0]])
+        reason = {
+            STEEP: "the ground is too steep for the legs to reach together",
+            TORSO: "the torso would touch the ground",
+            WALL: "a leg cannot be lifted over what bars its lane",
+        }.get(verdict, f"leg {verdict} would find no foothold")
+        return f"no way round within {WIDTH:g} m to either side: {distance:.1f} m ahead {reason}"
+
+
+class Sums:
+    """Sums over rectangles of a grid around every point of it; what lies outside counts as 0."""
+
+    def __init__(self, values: Array) -> None:
+        self.shape = values.shape
+        self.summed = np.zeros((values.shape[0] + 1, values.shape[1] + 1))
+        values.cumsum(axis=0).cumsum(axis=1, out=self.summed[1:, 1:])
+
+    def of(self, window: tuple[int, int, int, int]) -> Array:
+        """Sum over columns x1..x2-1 and rows y1..y2-1 from each point."""
+        x1, x2, y1, y2 = window
+        rows, columns = np.arange(self.shape[0]), np.arange(self.shape[1])
+        low, high = (np.clip(rows + v, 0, self.shape[0]) for v in (y1, y2))
+        left, right = (np.clip(columns + v, 0, self.shape[1]) for v in (x1, x2))
+        above, below = self.summed[high], self.summed[low]
+        return np.asarray(above[:, right] - above[:, left] - below[:, right] + below[:, left])
+
+
+def _most_in(values: Array, window: tuple[int, int, int, int]) -> Array:
+    """Largest value over columns x1..x2-1 and rows y1..y2-1 from each point; -inf outside."""
+    x1, x2, y1, y2 = window
+    out = values
+    for axis, first, last in ((1, x1, x2), (0, y1, y2)):
+        lines = np.moveaxis(out, axis, 0)
+        size = lines.shape[0]
+        before, behind = max(0, -first), max(0, last - 1)
+        padded = np.pad(lines, ((before, behind), (0, 0)), constant_values=-np.inf)
+        most = padded[before + first : before + first + size].copy()
+        for shift in range(first + 1, last):
+            np.maximum(most, padded[before + shift : before + shift + size], out=most)
+        out = np.moveaxis(most, 0, axis)
+    return out
+
+
+def _least_around(values: Array, reach: int) -> Array:
+    """Smallest value within ``reach`` samples in rows and columns."""
+    return -_most_in(-values, (-reach, reach + 1, -reach, reach + 1))

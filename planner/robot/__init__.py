@@ -1,0 +1,1 @@
+"""What a walker is: legs, joints, reach, masses, limits."""

@@ -1,0 +1,153 @@
+"""Several steps ahead: roll choices out, keep the best. Bounded by count, never by the clock, so
+that a walk can be repeated.
+
+This file knows neither legs nor ground: states and choices are the planner's own. Both searches are
+generators that pause after each piece of work; ``send(True)`` says that the answer is wanted now,
+and they finish with the best found so far.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Iterable
+from dataclasses import dataclass
+from typing import Any, Generic, NamedTuple, TypeVar
+
+S = TypeVar("S")
+Answer = TypeVar("Answer")  # what a thought comes to
+C = TypeVar("C")
+
+
+class Option(NamedTuple, Generic[S, C]):
+    """One choice in a state: where it leads, what the step gains, and what the place reached
+    promises.
+    """
+
+    choice: C
+    state: S
+    gain: float  # m
+    promise: float  # m
+
+
+@dataclass(frozen=True, slots=True)
+class Branch(Generic[S, C]):
+    """A way through the tree of choices: only its first choice will be taken."""
+
+    first: C
+    state: S
+    gain: float  # m, of all its steps
+    score: float  # m, the gain and what its end promises
+    steps: int
+
+    def pace(self, horizon: int) -> float:
+        """Mean gain a step over a horizon: a way that ends early gains nothing more."""
+        return self.gain / horizon
+
+
+class Found(NamedTuple, Generic[S, C]):
+    """Ways found, best first; not ``finished`` when the answer was wanted before the search was
+    over.
+    """
+
+    ways: list[Branch[S, C]]
+    finished: bool
+
+
+Search = Generator[None, bool | None, Found[S, C]]
+
+
+def beam(
+    start: S, options: Callable[[S, int], Iterable[Option[S, C]]], depth: int, width: int
+) -> Search[S, C]:
+    """Look ``depth`` steps ahead, going on from the ``width`` best of each depth; where none goes
+    on, those reached before.
+
+    Behind the ways that came farthest stand all first steps, for what they promised. Pauses after
+    each state looked at.
+    """
+    found = [
+        Branch(choice, state, gain, gain + promise, 1)
+        for choice, state, gain, promise in options(start, 0)
+    ]
+    begun = ranked(found)
+    level = begun[:width]
+    hurried = yield
+    for depth_now in range(1, depth):
+        if hurried and level:
+            break
+        found = []
+        for branch in level:
+            for _, state, gain, promise in options(branch.state, depth_now):
+                gain += branch.gain
+                found.append(Branch(branch.first, state, gain, gain + promise, depth_now + 1))
+            hurried = (yield) or hurried
+            if hurried:
+                break
+        if hurried or not found:
+            break
+        level = ranked(found)[:width]
+    return Found([*level, *begun], not hurried or not level)
+
+
+def rollouts(
+    options: Iterable[tuple[Option[S, C], C]],
+    policy: Callable[[S], tuple[S, float] | None],
+    steps: int,
+    gained: float = 0.0,
+    before: int = 0,
+) -> Search[S, C]:
+    """Take each option, then follow the policy for ``steps`` steps. Pauses after each option.
+
+    Each option comes with the first choice it stands for; ``gained`` in ``before`` steps counts for
+    all of them.
+    """
+    found: list[Branch[S, C]] = []
+    for option, first in options:
+        state, gain, taken = option.state, gained + option.gain, before + 1
+        for _ in range(steps):
+            ahead = policy(state)
+            if ahead is None:
+                break
+            state, more = ahead
+            gain, taken = gain + more, taken + 1
+        found.append(Branch(first, state, gain, gain + option.promise, taken))
+        if (yield):
+            return Found(ranked(found), False)
+    return Found(ranked(found), True)
+
+
+def ranked(branches: list[Branch[S, C]]) -> list[Branch[S, C]]:
+    """Best first; of equal ones the one found first."""
+    return sorted(branches, key=_score, reverse=True)
+
+
+def firsts(branches: Iterable[Branch[S, C]]) -> list[Branch[S, C]]:
+    """Of each first choice only the branch that comes first."""
+    best: dict[int, Branch[S, C]] = {}
+    for branch in branches:
+        best.setdefault(id(branch.first), branch)
+    return list(best.values())
+
+
+def _score(branch: Branch[Any, Any]) -> float:
+    return branch.score
+
+
+def unhurried(thinking: Generator[None, Any, Answer]) -> Generator[None, bool | None, Answer]:
+    """A thought that is thought to its end, piece by piece, even when the answer is wanted now."""
+    while True:
+        try:
+            next(thinking)
+        except StopIteration as done:
+            answer: Answer = done.value
+            return answer
+        yield
+
+
+def in_one_go(thinking: Generator[None, Any, Answer]) -> Answer:
+    """A thought without pauses: what it comes to in the end."""
+    while True:
+        try:
+            next(thinking)
+        except StopIteration as done:
+            answer: Answer = done.value
+            return answer

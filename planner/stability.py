@@ -1,0 +1,193 @@
+"""The support polygon, how long the centre of gravity stays in it along a course, and every
+stability margin.
+
+Points are foot tips; polygons are convex hulls, counter-clockwise, as tuples of (x, y). Plain
+floats throughout: this runs every tick and inside every planning loop, where numpy on three points
+costs seven times as much.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+
+XY = tuple[float, float]
+Polygon = tuple[XY, ...]
+
+MARGIN_SLACK = 0.001  # m; a margin counts as non-negative when it is >= -1 mm
+# m; the simulated machine starts to tip when its centre of gravity is this far outside
+TIP_SLACK = 0.005
+GRAVITY = 9.81  # m/s²
+OVER = 1e-6  # rad; a window of angles that ended this little ago still counts: rounding
+
+
+def support_polygon(points: Iterable[Sequence[float]]) -> Polygon:
+    """Convex hull of the supporting foot tips seen from above, counter-clockwise; fewer than three
+    corners if degenerate.
+    """
+    flat = [(p[0], p[1]) for p in points]
+    if len(flat) == 3:
+        (ax, ay), (bx, by), (cx, cy) = flat
+        twice_area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
+        if twice_area > 0.0:
+            return flat[0], flat[1], flat[2]
+        if twice_area < 0.0:
+            return flat[0], flat[2], flat[1]
+    flat.sort()
+    if len(flat) < 3:
+        return tuple(flat)
+    lower = _chain(flat)
+    upper = _chain(flat[::-1])
+    return (*lower[:-1], *upper[:-1])
+
+
+def _chain(points: list[XY]) -> list[XY]:
+    chain: list[XY] = []
+    for x, y in points:
+        while len(chain) > 1:
+            (ax, ay), (bx, by) = chain[-2], chain[-1]
+            if (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0.0:
+                break
+            chain.pop()
+        chain.append((x, y))
+    return chain
+
+
+def stable_interval(
+    polygon: Polygon, x: float, y: float, ux: float, uy: float
+) -> tuple[float, float]:
+    """The s over which (x, y) + s·(ux, uy) is inside the polygon: (s_low, s_high); (inf, -inf) when
+    the line misses it.
+
+    On a straight course this is K's existence segment of a state, and s_low is H's D(X) for a
+    triangle not yet entered.
+    """
+    low, high = -math.inf, math.inf
+    if len(polygon) < 3:
+        return math.inf, -math.inf
+    ax, ay = polygon[-1]
+    for bx, by in polygon:
+        ex, ey = bx - ax, by - ay
+        distance = ex * (y - ay) - ey * (x - ax)  # > 0 inside this edge
+        rate = ex * uy - ey * ux
+        if rate > 1e-12:
+            s = -distance / rate
+            if s > low:
+                low = s
+        elif rate < -1e-12:
+            s = -distance / rate
+            if s < high:
+                high = s
+        elif distance < 0.0:
+            return math.inf, -math.inf
+        ax, ay = bx, by
+    return (low, high) if low <= high else (math.inf, -math.inf)
+
+
+def stable_on_arc(
+    polygon: Polygon, ux: float, uy: float, turn: float, inset: float = 0.0
+) -> tuple[float, float]:
+    """As ``stable_interval``, for a course of constant arc from the origin (``course.ArcPath``),
+    keeping ``inset`` from every edge.
+
+    Closed form: the way runs on a circle about the turning centre, an edge cuts one window of
+    angles out of it. Of the windows that come round again after each full turn the first that is
+    not over yet is meant (of every edge: a stretch in which the second window of one meets the
+    first of another is not found); on the spot it is all or nothing.
+    """
+    if len(polygon) < 3:
+        return math.inf, -math.inf
+    cx, cy = (-uy / turn, ux / turn) if turn != 0.0 else (0.0, 0.0)
+    radius, start, side = math.hypot(cx, cy), math.atan2(-cy, -cx), 1.0 if turn > 0.0 else -1.0
+    low, high = -math.inf, math.inf
+    ax, ay = polygon[-1]
+    for bx, by in polygon:
+        ex, ey = bx - ax, by - ay
+        length = math.sqrt(ex * ex + ey * ey)
+        nx, ny = -ey / length, ex / length  # into the polygon
+        depth = nx * (cx - ax) + ny * (cy - ay) - inset  # of the turning centre inside this edge
+        ax, ay = bx, by
+        if turn == 0.0:
+            rate = nx * ux + ny * uy
+            if rate > 1e-12:
+                low = max(low, -depth / rate)
+            elif rate < -1e-12:
+                high = min(high, -depth / rate)
+            elif depth < 0.0:
+                return math.inf, -math.inf
+            continue
+        if depth >= radius:
+            continue
+        if depth < -radius:
+            return math.inf, -math.inf
+        half = math.acos(-depth / radius)
+        middle = side * (math.atan2(ny, nx) - start)
+        end = (middle + half + OVER) % (2 * math.pi) - OVER
+        low, high = max(low, end - 2 * half), min(high, end)
+    if turn != 0.0:
+        low, high = low / abs(turn), high / abs(turn)
+    return (low, high) if low <= high else (math.inf, -math.inf)
+
+
+def polygon_margin(polygon: Polygon, x: float, y: float) -> float:
+    """Shortest distance from (x, y) to the polygon's edge, m; negative outside, −inf with no
+    polygon.
+    """
+    if len(polygon) < 3:
+        return -math.inf
+    least = math.inf
+    ax, ay = polygon[-1]
+    for bx, by in polygon:
+        ex, ey = bx - ax, by - ay
+        distance = (ex * (y - ay) - ey * (x - ax)) / math.sqrt(ex * ex + ey * ey)
+        if distance < least:
+            least = distance
+        ax, ay = bx, by
+    return least
+
+
+def longitudinal_margin(polygon: Polygon, x: float, y: float, ux: float, uy: float) -> float:
+    """The longitudinal stability margin s, m (H §2.4): least distance to the polygon's edge along
+    ±(ux, uy).
+
+    Outside the polygon it is negative: the way still to go along the course, or the polygon margin
+    when the course line misses the polygon altogether.
+    """
+    low, high = stable_interval(polygon, x, y, ux, uy)
+    if low > high:
+        return min(polygon_margin(polygon, x, y), 0.0)
+    return min(-low, high)
+
+
+def energy_margin(points: Sequence[Sequence[float]], centre: Sequence[float]) -> float:
+    """Normalised energy stability margin, m: how far the centre of gravity must rise to tip over
+    the weakest edge.
+
+    Messuri & Klein 1985, divided by the weight (Hirose et al. 2001). ``points`` are supporting foot
+    tips (x, y, z), ``centre`` is the centre of gravity. Negative once the centre of gravity is
+    outside an edge.
+    """
+    corner = {(p[0], p[1]): p for p in points}
+    polygon = support_polygon(points)
+    if len(polygon) < 3:
+        return -math.inf
+    least = math.inf
+    for a_xy, b_xy in zip(polygon, (*polygon[1:], polygon[0]), strict=True):
+        a, b = corner[a_xy], corner[b_xy]
+        least = min(least, _rise_over(a, b, centre))
+    return least
+
+
+def _rise_over(a: Sequence[float], b: Sequence[float], centre: Sequence[float]) -> float:
+    """Rise of ``centre`` when it swings about the line a-b up to the vertical plane through it."""
+    ex, ey, ez = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+    length = math.sqrt(ex * ex + ey * ey + ez * ez)
+    ex, ey, ez = ex / length, ey / length, ez / length
+    rx, ry, rz = centre[0] - a[0], centre[1] - a[1], centre[2] - a[2]
+    along = rx * ex + ry * ey + rz * ez
+    # from the axis to the centre, square to it
+    rx, ry, rz = rx - along * ex, ry - along * ey, rz - along * ez
+    radius = math.sqrt(rx * rx + ry * ry + rz * rz)
+    rise = radius * math.sqrt(max(0.0, 1.0 - ez * ez)) - rz
+    inside = (b[0] - a[0]) * (centre[1] - a[1]) - (b[1] - a[1]) * (centre[0] - a[0]) >= 0.0
+    return rise if inside else -rise

@@ -1,0 +1,1 @@
+"""What the walker believes about the ground."""

@@ -1,0 +1,163 @@
+"""The state sequence in K's order ("calculation of states"): lift the leg that must leave first; if
+that cannot be, move one other leg first, then two together, then three.
+
+A state is which feet stand where, and the sample the body has reached in it. Successive states
+overlap there by making.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import combinations
+from typing import NamedTuple
+
+from .reachability import AIR, Feet, Field, first_bit, legs_clear, run_end, span
+
+HIND, MIDDLE, FORE = 0, 1, 2
+# a leg is fore (hind) when it leads (trails) by over this part of the foremost leg's lead
+FORE_PART = 0.25
+
+
+class State(NamedTuple):
+    """Feet on footholds (or in the air), and the sample ``at`` which the body is when this state
+    begins.
+    """
+
+    feet: Feet
+    at: int
+
+
+def end_of(field: Field, state: State) -> int:
+    """K's S2 of a state: the last sample the body reaches before a leg must leave or stability
+    ends.
+    """
+    return run_end(field.valid(state.feet), state.at)
+
+
+def k_step(field: Field, state: State) -> list[State] | None:
+    """The next states by K's rule: Q0 -> U_i0, else Q0 -> U_j -> D_j -> U_i0, then pairs, then
+    triples; None where it fails.
+
+    Each U is followed by its D, where the s-iteration puts the leg down. A sequence counts as
+    realised when the leg that had to leave then lasts longer than before.
+    """
+    reached = end_of(field, state)
+    standing = [leg for leg, f in enumerate(state.feet) if f >= 0]
+    if len(standing) < 3:
+        return None
+    waiting = [leg for leg, f in enumerate(state.feet) if f < 0]
+    # a leg the search has left in the air comes down as soon as there is ground for it
+    for leg in waiting:
+        placed = put_down(field, state.feet, state.at, reached, (leg,))
+        if placed is not None:
+            return [placed]
+    must_leave = min(standing, key=lambda leg: field.holds[state.feet[leg]].last)
+    others = [leg for leg in standing if leg != must_leave]
+    for together in range(4):
+        for first in combinations(others, together):
+            states: list[State] = []
+            now: State | None = state
+            if first:
+                now = transfer(field, state, first, states)
+            if now is not None:
+                now = transfer(field, now, (must_leave,), states)
+            if (
+                now is not None
+                and field.holds[now.feet[must_leave]].last
+                > field.holds[state.feet[must_leave]].last
+            ):
+                return states
+    return None
+
+
+def transfer(
+    field: Field, state: State, legs: tuple[int, ...], states: list[State]
+) -> State | None:
+    """Lift ``legs`` together and put them down again: appends U and D to ``states``; None when that
+    cannot be.
+    """
+    lifted = tuple(AIR if leg in legs else f for leg, f in enumerate(state.feet))
+    overlap = field.valid(lifted) & span(state.at, end_of(field, state))
+    if not overlap:
+        return None
+    begins = first_bit(overlap)
+    placed = put_down(field, lifted, begins, run_end(field.valid(lifted), begins), legs)
+    if placed is not None:
+        states += (State(lifted, begins), placed)
+    return placed
+
+
+def put_down(
+    field: Field, feet: Feet, begins: int, ends: int, legs: tuple[int, ...]
+) -> State | None:
+    """K "calculation of footholds" for legs in the air while the state [begins, ends] lasts: where,
+    and at which sample.
+    """
+    at = first_guess(field, begins, ends, legs)
+    while True:
+        chosen = iterate(field, feet, at, legs)
+        if chosen is not None:
+            return State(chosen, at)
+        if at == begins:
+            return None
+        at = (begins + at) // 2 if at - begins > 1 else begins  # bisection, back on s
+
+
+def first_guess(field: Field, begins: int, ends: int, legs: tuple[int, ...]) -> int:
+    """Where the iteration starts: S2 for hind legs, half way for middle legs, a third of the way
+    for fore legs.
+    """
+    kind = min(leg_kind(field, begins, leg) for leg in legs)
+    return (ends, (begins + ends) // 2, (2 * begins + ends) // 3)[kind]
+
+
+def leg_kind(field: Field, sample: int, leg: int) -> int:
+    """Whether a leg is hind, middle or fore as seen along the course (sideways the left legs lead)."""
+    x, y, yaw = field.lane.x[0], field.lane.y[0], field.lane.yaw
+    k = min(sample % field.width, field.count - 2)
+    dx, dy = float(x[k + 1] - x[k]), float(y[k + 1] - y[k])
+    c, d = math.cos(yaw[k]), math.sin(yaw[k])
+    ux, uy = c * dx + d * dy, c * dy - d * dx
+    lead = [ux * cx + uy * cy for cx, cy in (leg_.centre for leg_ in field.machine.legs)]
+    most = max(max(lead), -min(lead))
+    if most < 1e-9 or abs(lead[leg]) <= FORE_PART * most:
+        return MIDDLE
+    return FORE if lead[leg] > 0.0 else HIND
+
+
+def iterate(field: Field, feet: Feet, at: int, legs: tuple[int, ...]) -> Feet | None:
+    """The s-iteration: truncate the legs' domains ever farther ahead while they still hold points
+    that carry at ``at``.
+
+    The step doubles while it succeeds and is bisected when a domain runs empty; what is left at the
+    end are the footholds whose segments reach farthest.
+    """
+    domains = [[f for f in field.by_leg[leg] if field.reach[f] >> at & 1] for leg in legs]
+    best = choose(field, feet, at, domains, at)
+    if best is None:
+        return None
+    good, step = at, 8
+    bad = field.count
+    while bad - good > 1:
+        ahead = good + step if good + step < bad else (good + bad) // 2
+        chosen = choose(field, feet, at, domains, ahead)
+        if chosen is not None:
+            best, good, step = chosen, ahead, 2 * step
+        else:
+            bad, step = ahead, max(step // 2, 1)
+    return best
+
+
+def choose(field: Field, feet: Feet, at: int, domains: list[list[int]], ahead: int) -> Feet | None:
+    """One foothold for each leg from the domains truncated at ``ahead``, such that the new state is
+    stable at ``at``.
+    """
+    holds, radius = field.holds, field.machine.foot_radius
+    for domain in domains:
+        for f in domain:
+            if holds[f].last >= ahead and legs_clear(holds, feet, holds[f], radius):
+                feet = feet[: holds[f].leg] + (f,) + feet[holds[f].leg + 1 :]
+                break
+        else:
+            return None
+    return feet if field.stable(feet) >> at & 1 else None

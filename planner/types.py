@@ -1,0 +1,201 @@
+"""The words every room shares: what is commanded, where the machine stands, what it senses, what it
+plans.
+
+All are frozen. Legs are numbered from 0 in code and from 1 in files and on screens,
+counter-clockwise from front-left (quadruped: 0 FL, 1 RL, 2 RR, 3 FR, the papers' 1-4). Angles in
+radians, lengths in metres, times in seconds. A trailing ``_b`` marks the body frame (x forward, y
+left, z up, origin at the centre of gravity); everything else is absolute.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+TICK = 0.02  # s, Δt: one tick of Level C and of the simulation (H §10.2)
+# what may be asked of a machine that stands; standard: its feet in the layout of the last course
+POSTURES = ("sit", "stand", "standard")
+
+Point = tuple[float, float, float]
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """What Level A asks for: a course relative to the torso and a speed along it.
+
+    ``crab_angle`` α is the direction of travel in body axes, positive to the left; ``speed`` is
+    never negative: to walk backwards, turn the crab angle. ``turn_rate`` is the yaw rate of the
+    torso, positive to the left. Speed 0 with turn rate 0 means hold.
+    """
+
+    crab_angle: float = 0.0  # rad
+    speed: float = 0.0  # m/s
+    turn_rate: float = 0.0  # rad/s
+
+    @property
+    def holds(self) -> bool:
+        """True when nothing is to move."""
+        return self.speed == 0.0 and self.turn_rate == 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Gait:
+    """Gait settings a scenario may override: β, the lift of H §4.5, the height H, and the speed
+    profile.
+    """
+
+    duty_factor: float  # β
+    lift_up: float  # h_up, m
+    lift_down: float  # h_dwn, m
+    height: float  # H, m
+    # eased swing phases (H §11 (3)); False: constant velocity between knots, as printed
+    smooth: bool = True
+
+    @property
+    def peak(self) -> float:
+        """κ, peak over mean speed of a swing phase: limits are divided by it so that no foot
+        exceeds them.
+        """
+        return 1.25 if self.smooth else 1.0
+
+
+class Phase(IntEnum):
+    """What the swing legs do on one stretch of a plan: H table 3, and the four-leg shift that has
+    no swing leg.
+    """
+
+    SUPPORT = 0
+    UP = 1
+    RETURN = 2
+    DOWN = 3
+    SHIFT = 4
+
+
+class Mode(IntEnum):
+    """What the walker is doing: one number in the log, one word on the screen."""
+
+    STAND = 0
+    SUPPORT = 1
+    UP = 2
+    RETURN = 3
+    DOWN = 4
+    SHIFT = 5
+    SETTLE = 6  # stopped in mid-step: the swing foot is set down by its own clock
+    BLOCKED = 7
+    EMERGENT = 8
+    TIPPING = 9
+    FALLEN = 10
+    SIT_DOWN = 11
+    SIT = 12
+    STAND_UP = 13
+    REGROUP = 14  # going back into the standard layout
+
+
+@dataclass(frozen=True, slots=True)
+class Stance:
+    """The machine at a step-switching point N_k, and all a planner may remember (H §4.1, §5).
+
+    ``feet`` are foot tips, in leg order. ``last_swing`` is u of the step before, −1 when none.
+    ``quarter_turns`` is n of H table 1, kept for the hysteresis at α_c, −1 when none yet.
+    ``lifted`` are legs that stay in the air across the switch (K only). ``course`` is the distance
+    already walked on the trace. ``still`` counts the steps since the body last got on (the
+    lookahead's guard against walking on the spot). ``lean`` is the gradient of the body's floor
+    along absolute x and y; (0, 0) is level.
+    """
+
+    body: tuple[float, float, float, float]  # x, y, z, yaw
+    feet: tuple[Point, ...]
+    last_swing: int = -1
+    quarter_turns: int = -1
+    lifted: tuple[int, ...] = ()
+    course: float = 0.0
+    still: int = 0
+    lean: tuple[float, float] = (0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StepPlan:
+    """One step as straight lines between knots in the absolute frame, from N_k to N_{k+1}.
+
+    In the absolute frame a supporting foot does not move and a rising foot rises vertically (H
+    §4.5). The swing foot's last knot is what it *aims* at: h_up below the expected ground, so that
+    touch decides (H §4.5); ``end`` holds the stance expected at N_{k+1}, with the foot on the
+    ground at its landing point J_u. The body leans over evenly from ``lean`` to that of ``end``.
+    """
+
+    swing: tuple[int, ...]  # legs in the air: u [H], i1..ik [K]; () is a four-leg shift
+    times: Array  # (m,), s from the step-switching point, times[0] = 0
+    body: Array  # (m, 4): x, y, z, yaw
+    feet: Array  # (m, n_legs, 3)
+    phases: tuple[Phase, ...]  # (m-1,), one per stretch between knots
+    end: Stance
+    crab_angle: float = 0.0  # rad, of the course in body axes
+    support_shift: float = 0.0  # g0, m: travelled while u still stands
+    shift: float = 0.0  # g, m: travelled in the whole step
+    standard_margin: float = 0.0  # s0, m
+    margin_min: float = 0.0  # least planned longitudinal margin of the step, m
+    speed: float = 0.0  # v_G the plan was timed for, m/s
+    speed_max: float = 0.0  # v_max of this step, H §7 (28) without the command, m/s
+    search_start: Point | None = None  # I_u
+    landing: Point | None = None  # J_u of the first swing leg
+    lean: tuple[float, float] | None = None  # at its beginning; None: as at its end
+    decision: dict[str, Any] | None = None  # why: filled only when asked
+
+    def __post_init__(self) -> None:
+        for array in (self.times, self.body, self.feet):
+            array.setflags(write=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Blocked:
+    """The planner's answer when there is no step: which constraint failed, for which leg, and the
+    cells it refused.
+    """
+
+    reason: str
+    leg: int | None = None
+    decision: dict[str, Any] | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class GaitPreview:
+    """What a trace walker foresees, K global prediction: where it will tread and over which s every
+    foothold serves. For viewers.
+
+    A bar is one foothold: its existence segment s1, s2, and the part placed, lifted of it on which
+    the foot is to stand (m of s). ``states`` are the segments of whole states, all their feet in
+    reach: standing, with legs lifted, standing ... in turn; where two that follow each other
+    overlap, the change can be made. ``reached`` short of ``goal`` is a dead end, or the end of what
+    is known.
+    """
+
+    line: tuple[Point, ...]  # the trace ahead: s, x, y
+    footholds: tuple[tuple[Point, ...], ...]  # per leg, planned, in their order
+    # per leg, the present foothold first
+    bars: tuple[tuple[tuple[float, float, float, float], ...], ...]
+    states: tuple[tuple[float, float], ...]
+    reached: float  # s up to which the walk is sure, m
+    goal: float  # s it was to lead to, m
+    complete: bool
+    reason: str  # why not
+
+
+class Sensing(NamedTuple):
+    """What the plant tells Level C once a tick: position monitors, soles, whiskers, posture (H §8
+    (1)).
+    """
+
+    tick: int
+    body: tuple[float, float, float, float, float, float]  # dead-reckoned x, y, z, roll, pitch, yaw
+    feet_b: tuple[Point, ...]  # position monitors, body frame
+    soles: tuple[bool, ...]
+    # per leg, one bit per direction of eight (bit 0 = body +x, counter-clockwise), 0 = free
+    whiskers: tuple[int, ...]
+    slipping: tuple[bool, ...]
+    # per leg, one bit per direction of eight in which the sole hangs over; () = no such sensor
+    rims: tuple[int, ...] = ()

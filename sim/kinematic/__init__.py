@@ -1,0 +1,1 @@
+"""The kinematic plant: servos that do what they are told, contact, tipping, falling."""

@@ -1,0 +1,290 @@
+"""The ground plane as pymunk sees it: poles, blocks and steps as shapes; what whiskers and sweeps
+meet; sliding feet.
+
+Seen from above, each obstacle is a shape with a top. pymunk is asked only near one, and stepped
+only while something is loaded. Shapes and bodies are inserted in a fixed order, a slide in a space
+of its own, so runs repeat to the last bit.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import pymunk
+
+from walking_console.planner.robot.model import Machine
+from walking_console.planner.stability import GRAVITY
+
+from ..terrain.generators import Obstacle
+
+# m beyond the rim of the foot: an estimate; longer, see feet shy away from what they could pass
+WHISKER = 0.05
+WHISKERS = 8
+OVER = 0.005  # m; a foot this little below an obstacle's top is on it, not beside it
+PATCH = 0.25  # m, side of the squares that know whether an obstacle is near
+SUBSTEPS = 4  # of a tick while sliding
+STILL = 1e-5  # m/s; a slide slower than this has stopped
+ITERATIONS = 200  # of pymunk's solver; fewer, see a machine pushed off its centre of support creep
+
+ANY = pymunk.ShapeFilter()
+
+
+class Touch(NamedTuple):
+    """Where a way through the ground plane first meets something: share of the way, and the
+    surface's outward normal.
+    """
+
+    share: float
+    normal: tuple[float, float]
+
+
+class Slip(NamedTuple):
+    """What one tick of sliding did to the machine, about its centre of gravity: m, m, rad."""
+
+    dx: float
+    dy: float
+    turn: float
+
+
+class World:
+    """All obstacles of one ground, and the machine's shape among them."""
+
+    def __init__(self, obstacles: Sequence[Obstacle], machine: Machine) -> None:
+        self.obstacles = tuple(obstacles)
+        self.machine = machine
+        self._space = pymunk.Space()
+        self._tops: dict[pymunk.Shape, float] = {}
+        for obstacle in self.obstacles:
+            shape = _shape(self._space.static_body, obstacle)
+            self._space.add(shape)
+            self._tops[shape] = obstacle.top
+        self.whisker = machine.foot_radius + WHISKER
+        self._foot_patches = _patches(self.obstacles, self.whisker)
+        self._body_patches = _patches(self.obstacles, _extent(machine))
+        self._hips = machine.hips
+        self._slide: _Slide | None = None
+
+    def near(self, x: float, y: float) -> bool:
+        """True when a foot at (x, y) may be within a whisker of something."""
+        return (
+            bool(self._foot_patches)
+            and (math.floor(x / PATCH), math.floor(y / PATCH)) in self._foot_patches
+        )
+
+    def crowds(self, x: float, y: float) -> bool:
+        """True when the torso or a leg of a body at (x, y) may be at something."""
+        return (
+            bool(self._body_patches)
+            and (math.floor(x / PATCH), math.floor(y / PATCH)) in self._body_patches
+        )
+
+    def sweep(self, ax: float, ay: float, bx: float, by: float, z: float) -> Touch | None:
+        """The first thing standing higher than z on the straight way from a to b, None when it is
+        free.
+        """
+        hits = [
+            hit
+            for hit in self._space.segment_query((ax, ay), (bx, by), 0.0, ANY)
+            if self._tops_of(hit.shape) > z
+        ]
+        if not hits:
+            return None
+        first = min(hits, key=lambda hit: hit.alpha)
+        return Touch(first.alpha, (first.normal.x, first.normal.y))
+
+    def feel(self, x: float, y: float, z: float, yaw: float) -> int:
+        """Contact mode of a foot's whiskers: one bit per direction of eight, bit 0 along body +x,
+        counter-clockwise.
+        """
+        bits = 0
+        for k in range(WHISKERS):
+            angle = yaw + k * (2.0 * math.pi / WHISKERS)
+            if (
+                self.sweep(
+                    x,
+                    y,
+                    x + self.whisker * math.cos(angle),
+                    y + self.whisker * math.sin(angle),
+                    z + OVER,
+                )
+                is not None
+            ):
+                bits |= 1 << k
+        return bits
+
+    def bump(self, body: Sequence[float], feet: Sequence[Sequence[float]]) -> int | None:
+        """What of the machine is in an obstacle: a leg, −1 for the torso, None for nothing."""
+        x, y, z, _, _, yaw = body
+        c, d = math.cos(yaw), math.sin(yaw)
+        if self._torso_hits(x, y, z - self.machine.torso[2] / 2, c, d):
+            return -1
+        return next((leg for leg, foot in enumerate(feet) if self.leg_hits(leg, body, foot)), None)
+
+    def leg_hits(self, leg: int, body: Sequence[float], foot: Sequence[float]) -> bool:
+        """True when something stands in the straight way from a leg's hip, at the height of the
+        body, to its foot.
+        """
+        (hx, hy), c, d = self._hips[leg], math.cos(body[5]), math.sin(body[5])
+        hip = body[0] + c * hx - d * hy, body[1] + d * hx + c * hy
+        hits = self._space.segment_query(hip, (foot[0], foot[1]), 0.0, ANY)
+        return any(
+            self._tops_of(hit.shape) > body[2] + hit.alpha * (foot[2] - body[2]) + OVER
+            for hit in hits
+        )
+
+    def _torso_hits(self, x: float, y: float, bottom: float, c: float, d: float) -> bool:
+        length, width, _ = self.machine.torso
+        body = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+        turn = pymunk.Transform(a=c, b=d, c=-d, d=c, tx=x, ty=y)
+        shape = pymunk.Poly(body, _rectangle(length, width), turn)
+        shape.cache_bb()
+        return any(self._tops_of(hit.shape) > bottom for hit in self._space.shape_query(shape))
+
+    def _tops_of(self, shape: pymunk.Shape | None) -> float:
+        return -math.inf if shape is None else self._tops[shape]
+
+    # -- sliding
+
+    @property
+    def sliding(self) -> bool:
+        """True while the machine is moving over the ground on its feet."""
+        return self._slide is not None
+
+    def slide(
+        self,
+        body: Sequence[float],
+        feet: Sequence[Sequence[float]],
+        fx: float,
+        fy: float,
+        dt: float,
+    ) -> Slip | None:
+        """One tick of (fx, fy) newtons in the ground plane on a machine standing on ``feet``; None
+        when friction holds.
+        """
+        if not feet:
+            return None
+        if self._slide is None:
+            self._slide = _Slide(self, body, feet)
+        slip = self._slide.step(body, feet, fx, fy, dt)
+        if slip is None:
+            self._slide = None
+        return slip
+
+    def stop(self) -> None:
+        """Forget the speed of a slide: its feet have lost the ground or hit something."""
+        self._slide = None
+
+
+class _Slide:
+    """One slide from beginning to end, in a space of its own.
+
+    Friction is one pivot joint at the centre of support, good for μ m g, and one gear joint for
+    yaw, good for μ m g times the feet's mean distance from it. One pivot per foot would be wrong:
+    the pivots fight each other, and the machine slips at 0.9 of the Coulomb limit. Nothing pulls
+    the machine back to where it stood (max_bias 0).
+    """
+
+    def __init__(
+        self, world: World, body: Sequence[float], feet: Sequence[Sequence[float]]
+    ) -> None:
+        machine = world.machine
+        length, width, height = machine.torso
+        self.machine = machine
+        self.space = pymunk.Space()
+        self.space.iterations = ITERATIONS
+        self.hull = pymunk.Body(
+            machine.mass, machine.mass * (length * length + width * width) / 12.0
+        )
+        self.hull.position, self.hull.angle = (body[0], body[1]), body[5]
+        bottom, low = body[2] - height / 2, min(foot[2] for foot in feet) + OVER
+        shapes = [_shape(self.space.static_body, obstacle) for obstacle in world.obstacles]
+        for shape, obstacle in zip(shapes, world.obstacles, strict=True):
+            shape.filter = pymunk.ShapeFilter(
+                categories=(1 if obstacle.top > bottom else 0) | (2 if obstacle.top > low else 0)
+            )
+            self.space.add(shape)
+        torso = pymunk.Poly(self.hull, _rectangle(length, width))
+        torso.filter = pymunk.ShapeFilter(group=1, mask=1)
+        self.space.add(self.hull, torso)
+        for foot in feet:
+            tip = pymunk.Circle(
+                self.hull, machine.foot_radius, self.hull.world_to_local((foot[0], foot[1]))
+            )
+            tip.filter = pymunk.ShapeFilter(group=1, mask=2)
+            self.space.add(tip)
+
+    def step(
+        self,
+        body: Sequence[float],
+        feet: Sequence[Sequence[float]],
+        fx: float,
+        fy: float,
+        dt: float,
+    ) -> Slip | None:
+        """Advance one tick under a force at the centre of gravity; None once it has come to rest
+        and friction holds.
+        """
+        hull, space, n = self.hull, self.space, len(feet)
+        hull.position, hull.angle = (body[0], body[1]), body[5]
+        cx, cy = sum(foot[0] for foot in feet) / n, sum(foot[1] for foot in feet) / n
+        grip = self.machine.friction * self.machine.mass * GRAVITY
+        pivot = pymunk.PivotJoint(space.static_body, hull, (cx, cy))
+        gear = pymunk.GearJoint(space.static_body, hull, hull.angle, 1.0)
+        pivot.max_force = grip
+        gear.max_force = grip * sum(math.hypot(foot[0] - cx, foot[1] - cy) for foot in feet) / n
+        pivot.max_bias = gear.max_bias = 0.0
+        pivot.collide_bodies = gear.collide_bodies = True
+        space.add(pivot, gear)
+        for _ in range(SUBSTEPS):
+            hull.apply_force_at_world_point((fx, fy), hull.position)
+            space.step(dt / SUBSTEPS)
+        space.remove(pivot, gear)
+        slip = Slip(hull.position.x - body[0], hull.position.y - body[1], hull.angle - body[5])
+        speed = hull.velocity.length + abs(hull.angular_velocity) * self.machine.yaw_length
+        moved = abs(slip.dx) + abs(slip.dy) + abs(slip.turn)
+        return None if speed < STILL and moved < STILL * dt else slip
+
+
+def _shape(body: pymunk.Body, obstacle: Obstacle) -> pymunk.Shape:
+    if obstacle.corners:
+        return pymunk.Poly(body, list(obstacle.corners))
+    return pymunk.Circle(body, obstacle.radius, (obstacle.x, obstacle.y))
+
+
+def _rectangle(length: float, width: float) -> list[tuple[float, float]]:
+    a, b = length / 2, width / 2
+    return [(a, b), (-a, b), (-a, -b), (a, -b)]
+
+
+def _extent(machine: Machine) -> float:
+    """How far the machine reaches from its centre of gravity at most, seen from above."""
+    dx, dy, _ = machine.overreach
+    far = [
+        (max(abs(leg.x[0]), abs(leg.x[1])) + dx, max(abs(leg.y[0]), abs(leg.y[1])) + dy)
+        for leg in machine.legs
+    ]
+    return max(math.hypot(x, y) for x, y in (*far, (machine.torso[0] / 2, machine.torso[1] / 2)))
+
+
+def _patches(obstacles: Sequence[Obstacle], margin: float) -> frozenset[tuple[int, int]]:
+    """The squares of side ``PATCH`` within ``margin`` of an obstacle's bounding box."""
+    patches = set()
+    for obstacle in obstacles:
+        xs = [x for x, _ in obstacle.corners] or [
+            obstacle.x - obstacle.radius,
+            obstacle.x + obstacle.radius,
+        ]
+        ys = [y for _, y in obstacle.corners] or [
+            obstacle.y - obstacle.radius,
+            obstacle.y + obstacle.radius,
+        ]
+        for i in range(
+            math.floor((min(xs) - margin) / PATCH), math.floor((max(xs) + margin) / PATCH) + 1
+        ):
+            for j in range(
+                math.floor((min(ys) - margin) / PATCH), math.floor((max(ys) + margin) / PATCH) + 1
+            ):
+                patches.add((i, j))
+    return frozenset(patches)

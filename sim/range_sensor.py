@@ -1,0 +1,235 @@
+"""The eye: a range sensor on the body. What it sees of the true ground from here, and what the
+ground itself hides.
+
+The ground is one height a cell, so a ray of a given bearing runs over one profile of heights, and
+whether a place is seen is whether it stands higher, as an angle, than everything nearer. One look
+is one (bearings, distances) array: its cost is bounded by the settings, whatever the map.
+
+Approximations: noise is in the height alone, bearing and place are exact; legs and torso do not
+stand in the way; beyond cell / ``resolution_deg`` (1.4 m for 0.025 m and 1 degree) the fan misses
+cells between two rays; every look turns it by a random part of that, so that they are filled in.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Annotated, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field
+
+from walking_console.planner.robot.model import Machine
+
+from .terrain.ground import Ground
+
+GLIMPSE = 0.02  # m; a ray that gets this far below the rim of a hole has looked into it
+SURFACE = 1e-6  # m; rounding of ray against ground
+PROFILE_CELLS_MAX = 400  # samples along one ray: bounds a look on very fine maps
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+Degrees = Annotated[float, Field(ge=0.25, le=10.0)]
+Coordinate = Annotated[float, Field(ge=-5.0, le=5.0)]
+
+
+class EyeSettings(BaseModel):
+    """The ``[eye]`` table of a scenario. Lengths in metres, angles in degrees, the body frame for
+    the position.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+    position: Annotated[list[Coordinate], Field(min_length=3, max_length=3)] = Field(
+        default=[0.2, 0.0, 0.5], description="m from the centre of gravity: a mast on the torso"
+    )
+    pitch_deg: float = Field(
+        default=32.0, ge=-90.0, le=90.0, description="how far the middle of the view looks down"
+    )
+    pans: bool = Field(
+        default=True, description="turns to where the course leads; false: looks along the torso"
+    )
+    range: float = Field(default=4.0, gt=0.1, le=20.0, description="m")
+    width_deg: float = Field(
+        default=120.0, gt=0.0, le=360.0, description="field of view, side to side"
+    )
+    height_deg: float = Field(
+        default=56.0, gt=0.0, le=180.0, description="field of view, up and down"
+    )
+    resolution_deg: Annotated[list[Degrees], Field(min_length=2, max_length=2)] = Field(
+        default=[1.0, 0.5], description="between two rays, side to side and up and down"
+    )
+    noise: float = Field(
+        default=0.003, ge=0.0, le=0.5, description="m, standard deviation of a height"
+    )
+    dropout: float = Field(
+        default=0.02, ge=0.0, le=1.0, description="share of the cells seen that a look loses"
+    )
+    every: int = Field(default=15, ge=1, le=1000, description="ticks from one look to the next")
+
+
+class Sight(NamedTuple):
+    """What one look has found: one entry a cell, no cell twice.
+
+    ``heights`` are NaN where the look went into a hole without finding ground. ``sides`` marks
+    cells of which only a side was seen: their ground is at least as high.
+    """
+
+    rows: Index
+    columns: Index
+    heights: Array
+    sides: NDArray[np.bool_]
+
+
+class RangeSensor:
+    """One machine's eye over one ground. ``rng`` is the source of noise, dropouts and the turn of
+    the fan.
+    """
+
+    def __init__(
+        self,
+        machine: Machine,
+        ground: Ground,
+        rng: np.random.Generator,
+        settings: EyeSettings | None = None,
+    ) -> None:
+        self.settings = settings or EyeSettings()
+        self.machine = machine
+        self.rng = rng
+        self.replace_ground(ground)
+
+    def replace_ground(self, ground: Ground) -> None:
+        """The world has changed; what was seen before is not the eye's business."""
+        self.ground = ground
+        self._heights = ground.heights.ravel()
+
+    @cached_property
+    def distances(self) -> Array:
+        """Where a ray is held against the ground, m from the eye seen from above: about one sample
+        a cell.
+        """
+        step = max(self.ground.cell, self.settings.range / PROFILE_CELLS_MAX)
+        return np.asarray(np.arange(1, math.floor(self.settings.range / step) + 1) * step)
+
+    @cached_property
+    def bearings(self) -> Array:
+        """The fan of rays seen from above, rad from where the eye looks."""
+        settings = self.settings
+        apart = settings.resolution_deg[0]
+        count = max(1, math.floor(settings.width_deg / apart))
+        return np.asarray((np.arange(count) - (count - 1) / 2) * math.radians(apart))
+
+    def place(self, body: Sequence[float]) -> tuple[float, float, float]:
+        """Where the eye is when the body is at x, y, z, roll, pitch, yaw."""
+        x, y, z, roll, pitch, yaw = body
+        px, py, pz = self.settings.position
+        cr, sr, cp, sp, cy, sy = (
+            math.cos(roll),
+            math.sin(roll),
+            math.cos(pitch),
+            math.sin(pitch),
+            math.cos(yaw),
+            math.sin(yaw),
+        )
+        py, pz = cr * py - sr * pz, sr * py + cr * pz
+        px, pz = cp * px + sp * pz, cp * pz - sp * px
+        return x + cy * px - sy * py, y + sy * px + cy * py, z + pz
+
+    def look(self, body: Sequence[float], direction: float = 0.0) -> Sight:
+        """One look from the body's pose (x, y, z, roll, pitch, yaw); ``direction`` is the course in
+        body axes, rad.
+        """
+        settings = self.settings
+        across, resolution = (math.radians(angle) for angle in settings.resolution_deg)
+        bearings = self.bearings + float(self.rng.uniform(-0.5, 0.5)) * across
+        if settings.pans:
+            bearings = bearings + direction
+        place = self.place(body)
+        lowest = self._lowest(body, bearings)
+        rays = math.floor(settings.height_deg / settings.resolution_deg[1]) + 1
+        flat, heights, sides = self._returns(place, bearings + body[5], lowest, resolution, rays)
+        kept = self.rng.random(flat.size) >= settings.dropout
+        flat, heights, sides = flat[kept], heights[kept], sides[kept]
+        if settings.noise > 0.0:
+            heights = heights + self.rng.normal(0.0, settings.noise, flat.size)
+        rows, columns = np.divmod(flat, self.ground.columns)
+        return Sight(rows, columns, heights, sides)
+
+    def _lowest(self, body: Sequence[float], bearings: Array) -> Array:
+        """Elevation of the lowest ray of every bearing, rad, on the tilted body (small tilts)."""
+        settings, (_, _, _, roll, pitch, _) = self.settings, body
+        middle = (
+            -math.radians(settings.pitch_deg) - pitch * np.cos(bearings) + roll * np.sin(bearings)
+        )
+        return np.asarray(middle - math.radians(settings.height_deg) / 2)
+
+    def _returns(
+        self,
+        place: tuple[float, float, float],
+        bearings: Array,
+        lowest: Array,
+        resolution: float,
+        rays: int,
+    ) -> tuple[Index, Array, NDArray[np.bool_]]:
+        """(flat cell index, height, only a side) of every cell seen, no cell twice, in a fixed
+        order.
+        """
+        ground, d = self.ground, self.distances
+        ex, ey, ez = place
+        columns = np.floor(
+            (ex - ground.origin[0] + np.cos(bearings)[:, None] * d) / ground.cell
+        ).astype(np.intp)
+        rows = np.floor(
+            (ey - ground.origin[1] + np.sin(bearings)[:, None] * d) / ground.cell
+        ).astype(np.intp)
+        inside = (columns >= 0) & (columns < ground.columns) & (rows >= 0) & (rows < ground.rows)
+        flat = np.where(inside, rows * ground.columns + columns, 0)
+        heights = self._heights[flat]
+        bottomless = np.isnan(heights) & inside
+        heights = np.where(bottomless | ~inside, -np.inf, heights)
+
+        skyline = np.maximum.accumulate(np.arctan2(heights - ez, d), axis=1)
+        # rays that end no farther than here
+        stopped = np.clip(np.floor((skyline - lowest[:, None]) / resolution) + 1.0, 0.0, rays)
+        before = np.zeros_like(stopped)
+        before[:, 1:] = stopped[:, :-1]
+        hit = (stopped > before) & (np.hypot(d, heights - ez) <= self.settings.range)
+
+        step = float(d[0])
+        # of the highest ray that ends here
+        slope = np.tan(lowest[:, None] + (stopped - 1.0) * resolution)
+        came_in = ez + (d - step) * slope  # its height one sample before
+        topped = hit & (came_in >= heights - SURFACE)
+        sided = hit & ~topped
+
+        # of the lowest ray that goes on from here
+        flying = np.tan(lowest[:, None] + stopped * resolution)
+        dropped = ez + d * flying
+        into = (
+            bottomless
+            & (stopped < rays)
+            & (dropped < _rim(heights) - GLIMPSE)
+            & (np.hypot(d, dropped - ez) <= self.settings.range)
+        )
+
+        tops = np.unique(flat[topped])
+        holes = np.unique(flat[into])
+        side_cells, where = np.unique(flat[sided], return_inverse=True)
+        least = np.full(side_cells.size, -np.inf)
+        np.maximum.at(least, where, came_in[sided])
+        only = ~np.isin(side_cells, tops, assume_unique=True)
+        side_cells, least = side_cells[only], least[only]
+        cells = np.concatenate([tops, holes, side_cells])
+        found = np.concatenate([self._heights[tops], np.full(holes.size, np.nan), least])
+        is_side = np.zeros(cells.size, dtype=bool)
+        is_side[tops.size + holes.size :] = True
+        return cells, found, is_side
+
+
+def _rim(heights: Array) -> Array:
+    """Height of the last ground before each sample of a profile, −inf when there was none."""
+    solid = np.where(np.isfinite(heights), np.arange(heights.shape[1]), -1)
+    last = np.maximum.accumulate(solid, axis=1)
+    return np.where(last >= 0, np.take_along_axis(heights, np.maximum(last, 0), axis=1), -np.inf)

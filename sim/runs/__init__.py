@@ -1,0 +1,1 @@
+"""Headless runs: their files, logs and figures of merit."""

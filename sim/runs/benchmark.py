@@ -1,0 +1,167 @@
+"""Speed of the planner, of Level C, of the whole tick and of headless runs on this machine: medians
+of processor time.
+
+Processor time, since other work on a shared machine must not count; on an idle one it is the time
+on the clock.
+"""
+
+from __future__ import annotations
+
+import platform
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from statistics import median
+from time import process_time
+from typing import Any
+
+from rich.console import Console as Terminal
+from rich.table import Table
+
+from walking_console.planner.control.foot_controller import (
+    Gains,
+    ReflexState,
+    TrajectoryTracker,
+    reflex,
+)
+from walking_console.planner.control.supervisor import DT
+from walking_console.planner.crab.gait import standard_stance
+from walking_console.planner.crab.planner import plan_step
+from walking_console.planner.robot.model import load_machine
+from walking_console.planner.terrain.map import TerrainMap
+from walking_console.planner.types import Blocked, Command, Gait, Sensing, Stance, StepPlan
+from walking_console.sim.runs.recorder import Recorder
+from walking_console.sim.runs.runner import product_version, run
+from walking_console.sim.scenario import load_scenario
+from walking_console.sim.simulation import Simulation, prepare
+
+TICKS = 2500  # a round: four metres, the whole course of scenario flat
+ROUNDS = 7  # medians are taken over this many rounds
+COMMAND = Command(0.0, 0.08)
+
+
+def measure() -> dict[str, Any]:
+    """All figures: name → {value, unit, target}. Targets are of the product's own specification."""
+    micro, real = "µs", "x real time"
+    return {
+        "version": product_version(),
+        "python": platform.python_version(),
+        "figures": {
+            "plan_step, crab, paper, 50 % of 5 cm cells forbidden": _figure(
+                plan_time() * 1e6, micro, "<= 100"
+            ),
+            "Level C tick, four legs": _figure(reflex_time() * 1e6, micro, "<= 15"),
+            "headless tick, not recorded": _figure(tick_time(recorded=False) * 1e6, micro, "<= 60"),
+            "headless tick, recorded": _figure(tick_time(recorded=True) * 1e6, micro, "<= 100"),
+            "headless speed, not recorded": _figure(DT / tick_time(recorded=False), real, ">= 330"),
+            "headless speed, recorded": _figure(DT / tick_time(recorded=True), real, ">= 200"),
+            "whole run of scenario flat with its files": _figure(run_speed(), real, ""),
+        },
+    }
+
+
+def _figure(value: float, unit: str, target: str) -> dict[str, Any]:
+    return {"value": round(value, 2), "unit": unit, "target": target}
+
+
+def _median_of(work: Callable[[], int]) -> float:
+    """Median over rounds of seconds per unit of work; ``work`` answers how many units it did."""
+    spent = []
+    for _ in range(ROUNDS):
+        began = process_time()
+        units = work()
+        spent.append((process_time() - began) / units)
+    return median(spent)
+
+
+def plan_time() -> float:
+    """Seconds per ``plan_step`` on ground with half of its 5 cm cells forbidden: median over
+    postures met walking there.
+    """
+    machine, gait, ground, stances = broken_ground()
+    spent = []
+    for _ in range(ROUNDS):
+        for stance in stances:
+            began = process_time()
+            plan_step(stance, COMMAND, ground, machine, gait)
+            spent.append(process_time() - began)
+    return median(spent)
+
+
+def broken_ground() -> tuple[Any, Gait, TerrainMap, list[Stance]]:
+    """The 50 % ground of scenario ``holes`` and the postures its first steps meet."""
+    scenario = load_scenario("holes", ("terrain.fraction=0.5", "terrain.cell=0.05"))
+    world = prepare(scenario)
+    machine, gait, ground = load_machine("titan3"), world.gait, world.belief
+    stances, stance = [], world.stance
+    for _ in range(60):
+        plan = plan_step(stance, COMMAND, ground, machine, gait)
+        if isinstance(plan, Blocked):
+            break
+        stances.append(stance)
+        stance = plan.end
+    return machine, gait, ground, stances or [world.stance]
+
+
+def reflex_time() -> float:
+    """Seconds per Level C tick of four legs in mid-step."""
+    machine = load_machine("titan3")
+    gait = Gait(machine.duty_factor, machine.lift_up, machine.lift_down, machine.height)
+    world = prepare(load_scenario("flat"))
+    stance = standard_stance(machine, gait, 0.0, 0.0, 0.0, 0.0, lambda x, y: 0.0)
+    plan = plan_step(stance, COMMAND, world.belief, machine, gait)
+    if not isinstance(plan, StepPlan):
+        raise RuntimeError(f"no first step on flat ground: {plan.reason}")
+    x, y, z, yaw = plan.end.body
+    feet = tuple((fx - x, fy - y, fz - z) for fx, fy, fz in stance.feet)
+    sensing = Sensing(0, (x, y, z, 0.0, 0.0, yaw), feet, (True,) * 4, (0,) * 4, (False,) * 4)
+    playback, gains = TrajectoryTracker(plan), Gains()
+    state = ReflexState.begin(4)
+    ticks = int(playback.duration / DT)
+
+    def work() -> int:
+        for _ in range(5):
+            for k in range(ticks):
+                reflex(playback, k * DT, sensing, state, gains, DT)
+        return 5 * ticks
+
+    return _median_of(work)
+
+
+def tick_time(*, recorded: bool) -> float:
+    """Seconds per whole headless tick on flat ground, as scenario ``flat`` walks by default."""
+    world = prepare(load_scenario("flat"))
+    spent = []
+    for _ in range(ROUNDS):
+        console = Simulation(world)
+        recorder = Recorder(console) if recorded else None
+        console.order(COMMAND)
+        began = process_time()
+        for _ in range(TICKS):
+            console.tick()
+            if recorder is not None:
+                recorder.note()
+        spent.append((process_time() - began) / TICKS)
+    return median(spent)
+
+
+def run_speed() -> float:
+    """Simulated seconds per second of a whole run of ``flat``, set-up and files included."""
+    scenario = load_scenario("flat")
+
+    def work() -> int:
+        with tempfile.TemporaryDirectory() as folder:
+            return int(run(scenario, Path(folder))["ticks"])
+
+    return DT / _median_of(work)
+
+
+def print_figures(figures: dict[str, Any], terminal: Terminal) -> None:
+    """The table of ``walking-console bench``."""
+    title = f"walking-console {figures['version']}, Python {figures['python']}, medians of processor time"
+    table = Table(title=title, title_justify="left")
+    for column in ("figure", "value", "unit", "target"):
+        table.add_column(column, justify="right" if column == "value" else "left")
+    for name, entry in figures["figures"].items():
+        table.add_row(name, f"{entry['value']:g}", entry["unit"], entry["target"])
+    terminal.print(table)

@@ -1,0 +1,123 @@
+"""What a finished walk came to beyond its own counts: standard gait reached or not, distance off
+the line, smoothness of the body.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from walking_console.planner.crab.measures import average_height, is_standard, roughness
+from walking_console.sim.runs.recorder import Recorder
+from walking_console.sim.simulation import Simulation
+
+FLAT = 1e-6  # m; an average-height path smoother than this has nothing to be compared with
+
+
+def measured(console: Simulation, recorder: Recorder) -> dict[str, Any]:
+    """Figures of ``run.json`` that an expectation may name; None where there is nothing to measure."""
+    log = recorder.columns()
+    if console.world.scenario.planner != "crab" or not recorder.ticks:
+        return dict.fromkeys(
+            (
+                "off_line",
+                "standard_steps",
+                "courses_unsettled",
+                "roughness",
+                "roughness_average_rule",
+                "roughness_ratio",
+            )
+        )
+    return {
+        "off_line": off_line(recorder, log),
+        "standard_steps": standard_steps(recorder.steps),
+        "courses_unsettled": courses_unsettled(recorder),
+        **smoothness(console, recorder, log),
+    }
+
+
+def standard_steps(steps: list[dict[str, Any]]) -> int:
+    """How many steps at the end of the walk, one after the other, came out in the standard layout."""
+    count = 0
+    for step in reversed(steps):
+        if not settled(step):
+            break
+        count += 1
+    return count
+
+
+def settled(step: dict[str, Any]) -> bool:
+    """True when a recorded step ended in the standard layout."""
+    return step["off_standard"] is not None and is_standard(step["off_standard"])
+
+
+def courses(recorder: Recorder) -> list[tuple[int, int, dict[str, Any]]]:
+    """First tick, last tick and command of every stretch walked under one command."""
+    commands = [entry for entry in recorder.inputs if entry["input"] == "command"]
+    ends = [*(entry["tick"] for entry in commands), recorder.ticks][1:]
+    return [
+        (entry["tick"], end, entry)
+        for entry, end in zip(commands, ends, strict=True)
+        if entry["speed"] > 0.0
+    ]
+
+
+def courses_unsettled(recorder: Recorder) -> int:
+    """How many commanded courses were left, or ended, with a step that did not come out in the
+    standard layout.
+    """
+    count = 0
+    for begin, end, _ in courses(recorder):
+        walked = [step for step in recorder.steps if begin < step["tick"] <= end]
+        if not walked or not settled(walked[-1]):
+            count += 1
+    return count
+
+
+def off_line(recorder: Recorder, log: dict[str, NDArray[Any]]) -> float | None:
+    """Distance of the CoG at the end from the line it was last commanded along, m; None when it was
+    to turn or to hold.
+    """
+    walked = courses(recorder)
+    if not walked or walked[-1][2]["turn_rate"] != 0.0:
+        return None
+    begin, _, command = walked[-1]
+    x, y, yaw = log["body"][max(0, begin - 1), [0, 1, 5]]
+    dx, dy = log["body"][-1, :2] - (x, y)
+    heading = yaw + command["crab_angle"]
+    return float(abs(math.cos(heading) * dy - math.sin(heading) * dx))
+
+
+def smoothness(
+    console: Simulation, recorder: Recorder, log: dict[str, NDArray[Any]]
+) -> dict[str, float | None]:
+    """RMS second difference of the body's height over its course, beside that of the average-height
+    rule on the same footholds.
+    """
+    course, rows, heights = average_rule(
+        log, [step["tick"] for step in recorder.steps], console.world.gait.height
+    )
+    ours, theirs = roughness(course, log["body"][:, 2]), roughness(course[rows], heights)
+    return {
+        "roughness": ours,
+        "roughness_average_rule": theirs,
+        "roughness_ratio": ours / theirs if theirs > FLAT else None,
+    }
+
+
+def average_rule(
+    log: dict[str, NDArray[Any]], ticks: list[int], height: float
+) -> tuple[NDArray[np.float64], NDArray[np.intp], NDArray[np.float64]]:
+    """The course of every row, the rows of the N_k, and the body heights there by the
+    average-height rule, linked linearly between.
+
+    The mildest reading of that rule: all four feet stand at N_k. Taken tick by tick over the three
+    that carry, it jumps.
+    """
+    way = np.hypot(*np.diff(log["body"][:, :2], axis=0).T)
+    course = np.concatenate([[0.0], np.cumsum(way)])
+    rows = np.array([0, *(tick - 1 for tick in ticks)], dtype=np.intp)
+    return course, rows, np.array([average_height(log["feet"][row], height) for row in rows])

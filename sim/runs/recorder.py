@@ -1,0 +1,243 @@
+"""The log of a run: one row a tick, one line a step, the state hash, and the run directory of the
+outside contract.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import struct
+from array import array
+from collections.abc import Sequence
+from dataclasses import asdict
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from walking_console.planner.control.supervisor import DT
+from walking_console.planner.crab.measures import off_standard
+from walking_console.planner.crab.slope_adaptation import KINDS
+from walking_console.planner.types import POSTURES, Command, Mode, StepPlan
+from walking_console.sim.simulation import Edit, Follow, Halt, Load, Pose, Push, Reset, Simulation
+
+SCHEMA = 1
+MODES = {mode.name.lower(): int(mode) for mode in Mode}
+
+
+class Recorder:
+    """Watches a console: call ``note`` after every tick. Keeps rows in flat arrays until ``write``."""
+
+    def __init__(self, console: Simulation) -> None:
+        self.console = console
+        legs = len(console.world.machine.legs)
+        self.legs = legs
+        self._pack = struct.Struct(f"<8s{6 + 3 * legs + 3}d{2 * legs + 1}B").pack
+        self.hash = bytes(8)
+        self.ticks = 0
+        self.margin_min = float("inf")
+        self.forbidden_steps = 0
+        self.falls = 0
+        self.steps: list[dict[str, Any]] = []
+        self.inputs: list[dict[str, Any]] = []
+        self._floats = array("d")  # t, body 6, feet 3n, command 3, margins 2
+        self._flags = bytearray()  # contact n, support n, mode
+        self._steps = array("i")
+        self._hashes = array("Q")
+        self._was_fallen = False
+        self._step_began = 0
+        console.on_input = self._note_input
+
+    def note(self) -> None:
+        """One row: the state at the end of the tick just run."""
+        console = self.console
+        plant, walk = console.plant, console.walk
+        carrying = walk.carrying()
+        mode = int(console.mode)
+        command = console.command
+        margin, polygon = console.margins(carrying)
+        state = [v + 0.0 for v in plant.body]  # adding 0.0 turns −0.0 into 0.0
+        for x, y, z in plant.feet:
+            state += (x + 0.0, y + 0.0, z + 0.0)
+        state += (command.crab_angle + 0.0, command.speed + 0.0, command.turn_rate + 0.0)
+        flags = bytes((*plant.soles, *carrying, mode))
+        self.hash = blake2b(self._pack(self.hash, *state, *flags), digest_size=8).digest()
+        floats = self._floats
+        floats.append(console.tick_count * DT)
+        floats.extend(state)
+        floats.append(margin)
+        floats.append(polygon)
+        self._flags += flags
+        self._steps.append(walk.steps_begun)
+        self._hashes.append(int.from_bytes(self.hash, "little"))
+        self.ticks += 1
+        if margin < self.margin_min:
+            self.margin_min = margin
+        if walk.executed is not None:
+            self._note_step(walk.executed)
+        if mode == Mode.FALLEN and not self._was_fallen:
+            self.falls += 1
+        self._was_fallen = mode == Mode.FALLEN
+
+    def _note_step(self, plan: StepPlan) -> None:
+        console = self.console
+        landed = [leg for leg in plan.swing if leg not in plan.end.lifted]
+        for leg in landed:
+            x, y, _ = plan.end.feet[leg]
+            cell = console.belief.cell_at(x, y)
+            if cell is None or console.true_forbidden[cell]:
+                self.forbidden_steps += 1
+        record: dict[str, Any] = {
+            "index": len(self.steps),
+            "tick": console.tick_count,  # of N_{k+1}: the tick in which the step was over
+            "tick_begun": self._step_began,
+            "swing": [leg + 1 for leg in plan.swing],
+            "g0": plan.support_shift,
+            "g": plan.shift,
+            "s0": plan.standard_margin,
+            "crab_angle": plan.crab_angle,
+            "search_start": None if plan.search_start is None else list(plan.search_start),
+            "landing": list(plan.end.feet[landed[0]]) if landed else None,
+            "planned_landing": None if plan.landing is None else list(plan.landing),
+            "planned_margin_min": plan.margin_min,
+            "speed": plan.speed,
+            "speed_max": plan.speed_max,
+            "off_standard": self._off_standard(plan),
+        }
+        if len(plan.swing) > 1:
+            record["landings"] = [list(plan.end.feet[leg]) for leg in landed]
+        if plan.decision is not None:
+            record["decision"] = plan.decision
+        self.steps.append(record)
+        self._step_began = console.tick_count
+
+    def _off_standard(self, plan: StepPlan) -> float | None:
+        """How far from the standard layout the crab step came out, as a share of λ*."""
+        world = self.console.world
+        if world.scenario.planner != "crab" or plan.end.last_swing < 0:
+            return None
+        return off_standard(world.machine, world.gait, plan.crab_angle, plan.end)
+
+    def _note_input(self, tick: int, given: object) -> None:
+        self.inputs.append({"tick": tick, **input_record(given)})
+
+    def columns(self) -> dict[str, np.ndarray[Any, Any]]:
+        """The log as named arrays, one row per tick (``ticks.npz``)."""
+        n, rows = self.legs, self.ticks
+        floats = np.frombuffer(self._floats, dtype=np.float64).reshape(rows, 12 + 3 * n)
+        flags = np.frombuffer(bytes(self._flags), dtype=np.uint8).reshape(rows, 2 * n + 1)
+        return {
+            "t": floats[:, 0],
+            "body": floats[:, 1:7],
+            "feet": floats[:, 7 : 7 + 3 * n].reshape(rows, n, 3),
+            "command": floats[:, 7 + 3 * n : 10 + 3 * n],
+            "margin": floats[:, 10 + 3 * n],
+            "polygon_margin": floats[:, 11 + 3 * n],
+            "contact": flags[:, :n].astype(bool),
+            "support": flags[:, n : 2 * n].astype(bool),
+            "mode": flags[:, 2 * n].astype(np.int8),
+            "step": np.frombuffer(self._steps, dtype=np.int32),
+            "hash": np.frombuffer(self._hashes, dtype=np.uint64),
+        }
+
+    @property
+    def state_hash(self) -> str:
+        """The last tick's hash, hexadecimal."""
+        return f"{int.from_bytes(self.hash, 'little'):016x}"
+
+    def write(self, out: Path, summary: dict[str, Any]) -> None:
+        """The run directory: ``run.json`` last, so that a directory that has one is whole."""
+        console = self.console
+        np.savez_compressed(out / "ticks.npz", **self.columns())  # type: ignore[arg-type]
+        np.savez_compressed(
+            out / "terrain.npz",
+            heights=console.ground.heights.astype(np.float32),
+            cell=np.float64(console.ground.cell),
+            origin=np.array(console.ground.origin),
+            forbidden=console.true_forbidden,
+            believed_heights=console.belief.heights.astype(np.float32),
+            believed_forbidden=console.belief.forbidden,
+        )
+        _write_lines(out / "steps.jsonl", self.steps)
+        _write_lines(out / "inputs.jsonl", self.inputs)
+        (out / "run.json").write_text(
+            json.dumps(summary, indent=2, allow_nan=False) + "\n", "utf-8"
+        )
+
+
+def _write_lines(path: Path, records: list[dict[str, Any]]) -> None:
+    with path.open("w", encoding="utf-8") as file:
+        for record in records:
+            file.write(json.dumps(record, allow_nan=False) + "\n")
+
+
+def input_record(given: object) -> dict[str, Any]:
+    """One input from outside as JSON: what ``inputs.jsonl`` keeps and ``input_from`` reads back."""
+    if isinstance(given, Command):
+        return {"input": "command", **asdict(given)}
+    if isinstance(given, Edit):
+        return {
+            "input": "edit",
+            "action": given.action,
+            "cells": [list(cell) for cell in given.cells],
+            "amount": given.amount,
+        }
+    if isinstance(given, Push):
+        return {"input": "push", **asdict(given)}
+    if isinstance(given, Pose):
+        return {"input": "pose", **asdict(given)}
+    if isinstance(given, Halt):
+        return {"input": "halt"}
+    if isinstance(given, Follow):
+        return {"input": "attitude", **asdict(given)}
+    if isinstance(given, Reset):
+        return {"input": "reset"}
+    if isinstance(given, Load):
+        return {"input": "load", "scenario": given.world.scenario.name}
+    raise TypeError(f"unknown input {given!r}")
+
+
+def input_from(record: dict[str, Any]) -> Command | Edit | Push | Pose | Halt | Follow | Reset:
+    """The inverse of ``input_record``; raises ``ValueError`` for what a replay cannot feed."""
+    kind = record.get("input")
+    if kind == "command":
+        return Command(*(_finite(record[key]) for key in ("crab_angle", "speed", "turn_rate")))
+    if kind == "edit":
+        return Edit(
+            record["action"],
+            tuple((_index(row), _index(column)) for row, column in record["cells"]),
+            _finite(record["amount"]),
+        )
+    if kind == "push":
+        return Push(_finite(record["fx"]), _finite(record["fy"]), int(record["ticks"]))
+    if kind == "pose":
+        return Pose(_one_of(record, "posture", POSTURES))
+    if kind == "halt":
+        return Halt()
+    if kind == "attitude":
+        return Follow(_one_of(record, "attitude", KINDS))
+    if kind == "reset":
+        return Reset()
+    raise ValueError(
+        f"unknown input {kind!r}; there are: command, edit, push, pose, halt, attitude, reset"
+    )
+
+
+def _one_of(record: dict[str, Any], key: str, known: Sequence[str]) -> str:
+    value: str = record[key]
+    if value not in known:
+        raise ValueError(f"unknown {key} {value!r:.80}; there are: {', '.join(known)}")
+    return value
+
+
+def _finite(value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise ValueError(f"a finite number is wanted, got {value!r:.80}")
+    return value
+
+
+def _index(value: Any) -> int:
+    if type(value) is not int or not 0 <= value < 2**31:
+        raise ValueError(f"a row or column is wanted, got {value!r:.80}")
+    return value

@@ -1,0 +1,1 @@
+"""The true ground: generators and files."""

@@ -1,0 +1,628 @@
+"""Every kind of terrain: its parameters and its shape, one class a kind.
+
+Shapes are functions of the place and the seed alone, never of the map's size: a longer course finds
+the same ground. Features lie in the absolute frame; ``at`` is the distance from the origin to their
+near edge along +x, or along ``heading_deg`` where a kind has one. ``difficulty`` 0-1 sets the
+parameters a kind lists in ``RAMP``; explicit ones win.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+Array = NDArray[np.float64]
+Box = tuple[float, float, float, float]  # x_min, x_max, y_min, y_max
+SMOOTH_CELL = 0.025  # m: smooth ground is resampled to cells no larger than this
+CELL_MIN, CELL_MAX = 0.005, 1.0  # m
+SEED_MAX = 2**63 - 1
+
+Metres = Annotated[float, Field(gt=0.0, le=100.0)]
+Degrees = Annotated[float, Field(ge=-360.0, le=360.0)]
+Place = Annotated[float, Field(ge=-1000.0, le=1000.0)]
+
+
+class GroundError(ValueError):
+    """Ground that cannot be made; the message is one clear line."""
+
+
+@dataclass(frozen=True, slots=True)
+class Obstacle:
+    """Something that stands up from the ground between ``base`` and ``top``: a circle, or a convex
+    polygon.
+
+    ``corners`` run counter-clockwise in the absolute frame; a circle has none and a ``radius``
+    instead.
+    """
+
+    x: float
+    y: float
+    base: float  # m, absolute
+    top: float  # m, absolute
+    radius: float = 0.0
+    corners: tuple[tuple[float, float], ...] = ()
+
+
+class Site(NamedTuple):
+    """Where a shape is wanted: cell centres as a row ``x`` (1, nx) and a column ``y`` (ny, 1), and
+    the start to keep clear.
+    """
+
+    x: Array
+    y: Array
+    cell: float
+    bounds: Box
+    start: tuple[float, float]
+    clear: float  # m, radius
+    seed: int
+
+
+class Terrain(BaseModel):
+    """What every kind has."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+    kind: str
+    seed: int | None = Field(
+        default=None, ge=0, le=SEED_MAX, description="the scenario's seed when not given"
+    )
+
+
+class Generated(Terrain):
+    """Ground that is computed, in a map as large as the course needs."""
+
+    # parameter: value at difficulty 0, at difficulty 1
+    RAMP: ClassVar[dict[str, tuple[float, float]]] = {}
+    final: ClassVar[bool] = False  # forbidden cells are exactly the holes
+    clears_start: ClassVar[bool] = False  # level ground is kept under the start posture
+
+    difficulty: float | None = Field(
+        default=None, ge=0.0, le=1.0, description="0 easy to 1 hard; explicit parameters win"
+    )
+    cell: float = Field(default=SMOOTH_CELL, ge=CELL_MIN, le=SMOOTH_CELL, description="m")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _by_difficulty(cls, data: Any) -> Any:
+        """Parameters not given follow from the difficulty, so that a dump holds plain numbers."""
+        if not isinstance(data, dict):
+            return data
+        level = data.get("difficulty")
+        if isinstance(level, bool) or not isinstance(level, int | float) or not 0 <= level <= 1:
+            return data
+        ramp = {key: easy + (hard - easy) * level for key, (easy, hard) in cls.RAMP.items()}
+        whole = [key for key, field in cls.model_fields.items() if field.annotation is int]
+        return {
+            **{
+                key: round(value) if key in whole else round(value, 6)
+                for key, value in ramp.items()
+            },
+            **data,
+        }
+
+    def shape(self, site: Site) -> Array:
+        """Heights in metres at the site's cells (anything that broadcasts to them); NaN is a hole."""
+        return np.zeros((1, 1))
+
+    def obstacles(self, site: Site) -> tuple[Obstacle, ...]:
+        """What stands on this ground."""
+        return ()
+
+
+class Flat(Generated):
+    """Level ground."""
+
+    kind: Literal["flat"]
+    cell: float = Field(
+        default=0.05,
+        ge=CELL_MIN,
+        le=CELL_MAX,
+        description="m; grows on very long courses, level ground is exact anyway",
+    )
+
+
+class Slope(Generated):
+    """One inclined plane through the origin."""
+
+    RAMP = {"angle_deg": (2.0, 14.0)}
+    kind: Literal["slope"]
+    angle_deg: float = Field(
+        default=8.0, ge=-45.0, le=45.0, description="inclination, rising along the heading"
+    )
+    heading_deg: Degrees = Field(default=0.0, description="direction of steepest ascent")
+
+    def shape(self, site: Site) -> Array:
+        return np.asarray(math.tan(math.radians(self.angle_deg)) * _along(site, self.heading_deg))
+
+
+class Rough(Generated):
+    """Smooth random hills: a sum of plane waves, clipped at the amplitude."""
+
+    RAMP = {"amplitude": (0.01, 0.11)}
+    WAVES: ClassVar[int] = 32
+    kind: Literal["rough"]
+    amplitude: float = Field(
+        default=0.06, ge=0.0, le=1.0, description="m, highest and lowest ground above and below 0"
+    )
+    length: float = Field(
+        default=1.0,
+        ge=0.2,
+        le=20.0,
+        description="m, shortest wavelength; the longest is four times that",
+    )
+
+    def shape(self, site: Site) -> Array:
+        rng = np.random.default_rng([site.seed, 1])
+        heading, phase = (
+            rng.uniform(0.0, 2 * math.pi, self.WAVES),
+            rng.uniform(0.0, 2 * math.pi, self.WAVES),
+        )
+        wave = 2 * math.pi / (self.length * 4.0 ** rng.uniform(0.0, 1.0, self.WAVES))
+        heights = np.zeros((site.y.size, site.x.size))
+        for k, a, p in zip(wave, heading, phase, strict=True):
+            u, v = k * math.cos(a) * site.x + p, k * math.sin(a) * site.y
+            heights += np.sin(u) * np.cos(v) + np.cos(u) * np.sin(v)
+        # the standard deviation is half the amplitude
+        heights *= self.amplitude / 2 / math.sqrt(self.WAVES / 2)
+        return np.clip(heights, -self.amplitude, self.amplitude)
+
+
+class Wave(Generated):
+    """Parallel ridges and furrows, A(1 - cos(2πs/L)); the origin lies in a furrow."""
+
+    RAMP = {"amplitude": (0.02, 0.12)}
+    kind: Literal["wave"]
+    amplitude: float = Field(
+        default=0.06, ge=0.0, le=1.0, description="m, half the height from furrow to ridge"
+    )
+    length: float = Field(default=2.0, ge=0.2, le=100.0, description="m, ridge to ridge")
+    heading_deg: Degrees = Field(default=0.0, description="direction across the ridges")
+
+    def shape(self, site: Site) -> Array:
+        return np.asarray(
+            self.amplitude
+            * (1.0 - np.cos(2 * math.pi / self.length * _along(site, self.heading_deg)))
+        )
+
+
+class Stairs(Generated):
+    """A flight of stairs across the whole map, up, down, or up and down again."""
+
+    RAMP = {"rise": (0.05, 0.25)}
+    kind: Literal["stairs"]
+    rise: float = Field(default=0.15, gt=0.0, le=1.0, description="m")
+    tread: float = Field(default=0.6, ge=0.05, le=10.0, description="m")
+    count: int = Field(default=3, ge=1, le=100, description="steps of one flight")
+    direction: Literal["up", "down", "up-down"] = Field(
+        default="up", description="up, down, or up-down"
+    )
+    landing: Metres = Field(default=1.5, description="m of level ground on top between up and down")
+    at: Place = Field(default=1.2, description="m to the first edge")
+    heading_deg: Degrees = Field(default=0.0, description="direction of walking up the flight")
+
+    def _edges(self) -> list[tuple[float, float]]:
+        """(distance of an edge, change of height there), in order."""
+        rise = -self.rise if self.direction == "down" else self.rise
+        edges = [(self.at + step * self.tread, rise) for step in range(self.count)]
+        if self.direction == "up-down":
+            top = edges[-1][0] + self.landing
+            edges += [(top + step * self.tread, -self.rise) for step in range(self.count)]
+        return edges
+
+    def shape(self, site: Site) -> Array:
+        along = _along(site, self.heading_deg)
+        heights = np.zeros(along.shape)
+        for edge, rise in self._edges():
+            heights[along >= edge] += rise
+        return np.asarray(np.round(heights, 9))
+
+    def obstacles(self, site: Site) -> tuple[Obstacle, ...]:
+        edges = self._edges()
+        # beyond the map whatever the heading
+        far = math.hypot(max(abs(v) for v in site.bounds[:2]), max(abs(v) for v in site.bounds[2:]))
+        places = [-far, *(edge for edge, _ in edges), far]
+        tops = [0.0]
+        for _, rise in edges:
+            tops.append(round(tops[-1] + rise, 9))
+        boxes = []
+        for index, top in enumerate(tops):
+            base = min(tops[max(0, index - 1) : index + 2])
+            if top > base:
+                boxes.append(
+                    _box(places[index], places[index + 1], -far, far, self.heading_deg, base, top)
+                )
+        return tuple(boxes)
+
+
+class Patch(Generated):
+    """A rectangle on level ground."""
+
+    length: Metres = Field(default=1.2, description="m along x, before turning")
+    width: Metres = Field(default=1.6, description="m along y, before turning")
+    at: Place = Field(default=1.4, description="m along x to the near side, before turning")
+    aside: Place = Field(default=0.0, description="m along y to the middle")
+    angle_deg: Degrees = Field(default=0.0, description="turned about its own middle")
+
+    @property
+    def middle(self) -> tuple[float, float]:
+        return self.at + self.length / 2, self.aside
+
+    def inside(self, site: Site) -> NDArray[np.bool_]:
+        c, s = _turn(self.angle_deg)
+        dx, dy = site.x - self.middle[0], site.y - self.middle[1]
+        u, v = c * dx + s * dy, c * dy - s * dx
+        return np.asarray((abs(u) <= self.length / 2) & (abs(v) <= self.width / 2))
+
+
+class Block(Patch):
+    """One block on level ground."""
+
+    RAMP = {"height": (0.04, 0.26)}
+    kind: Literal["block"]
+    height: float = Field(default=0.15, gt=0.0, le=3.0, description="m")
+
+    def shape(self, site: Site) -> Array:
+        return np.where(self.inside(site), self.height, 0.0)
+
+    def obstacles(self, site: Site) -> tuple[Obstacle, ...]:
+        half_length, half_width = self.length / 2, self.width / 2
+        return (
+            _box(
+                -half_length,
+                half_length,
+                -half_width,
+                half_width,
+                self.angle_deg,
+                0.0,
+                self.height,
+                self.middle,
+            ),
+        )
+
+
+class Pit(Patch):
+    """One hollow with a level floor."""
+
+    RAMP = {"depth": (0.04, 0.26)}
+    kind: Literal["pit"]
+    depth: float = Field(default=0.15, gt=0.0, le=3.0, description="m")
+
+    def shape(self, site: Site) -> Array:
+        return np.where(self.inside(site), -self.depth, 0.0)
+
+
+class River(Generated):
+    """A bottomless strip across the whole map."""
+
+    RAMP = {"width": (0.1, 0.6)}
+    kind: Literal["river"]
+    width: Metres = Field(default=0.35, description="m")
+    at: Place = Field(default=1.2, description="m to the near bank")
+    heading_deg: Degrees = Field(default=0.0, description="direction square to the banks")
+
+    def shape(self, site: Site) -> Array:
+        along = _along(site, self.heading_deg)
+        return np.where((along > self.at) & (along < self.at + self.width), math.nan, 0.0)
+
+
+class Gap(Generated):
+    """Bottomless gaps across the whole map, one behind the other, between ledges of different
+    heights.
+    """
+
+    RAMP = {"width": (0.1, 0.4), "drop": (0.0, 0.16)}
+    kind: Literal["gap"]
+    width: Metres = Field(default=0.25, description="m")
+    count: int = Field(default=3, ge=1, le=100, description="gaps")
+    spacing: Metres = Field(default=1.5, description="m from one gap's near edge to the next one's")
+    drop: float = Field(
+        default=0.08, ge=-1.0, le=1.0, description="m every second ledge lies lower"
+    )
+    at: Place = Field(default=1.2, description="m to the first gap")
+    heading_deg: Degrees = Field(default=0.0, description="direction square to the gaps")
+
+    def shape(self, site: Site) -> Array:
+        along = _along(site, self.heading_deg)
+        heights = np.zeros(along.shape)
+        for index in range(self.count):
+            edge = self.at + index * self.spacing
+            heights[along > edge + self.width / 2] = -self.drop if index % 2 == 0 else 0.0
+        for index in range(self.count):
+            edge = self.at + index * self.spacing
+            heights[(along > edge) & (along < edge + self.width)] = math.nan
+        return heights
+
+
+class Holes(Generated):
+    """Bottomless cells at random: H's H-type terrain. Only the cell under the foot tip counts."""
+
+    RAMP = {"fraction": (0.05, 0.55)}
+    final = True
+    clears_start = True
+    kind: Literal["holes"]
+    fraction: float = Field(
+        default=0.3, ge=0.0, le=1.0, description="share of the cells that are holes"
+    )
+    cell: float = Field(default=0.05, ge=CELL_MIN, le=CELL_MAX, description="m")
+    large: list[Annotated[list[Place], Field(min_length=4, max_length=4)]] = Field(
+        default=[], max_length=100, description="m, x_min, x_max, y_min, y_max of each large hole"
+    )
+
+    def shape(self, site: Site) -> Array:
+        heights = np.where(_lattice(site, site.cell, 2) < self.fraction, math.nan, 0.0)
+        for x_min, x_max, y_min, y_max in self.large:
+            heights[(site.x > x_min) & (site.x < x_max) & (site.y > y_min) & (site.y < y_max)] = (
+                math.nan
+            )
+        return heights
+
+
+class Footholds(Generated):
+    """Only a few cells may be stepped on, all others are bottomless: K's terrain. Foothold points
+    are cell centres.
+    """
+
+    RAMP = {"fraction": (0.2, 0.02)}
+    final = True
+    clears_start = True
+    kind: Literal["footholds"]
+    fraction: float = Field(
+        default=0.04, ge=0.0, le=1.0, description="share of the cells that are allowed"
+    )
+    cell: float = Field(default=0.05, ge=CELL_MIN, le=CELL_MAX, description="m")
+
+    def shape(self, site: Site) -> Array:
+        return np.where(_lattice(site, site.cell, 3) < self.fraction, 0.0, math.nan)
+
+
+class SteppingStones(Generated):
+    """Square stones in rows over the bottomless."""
+
+    RAMP = {"size": (0.45, 0.25), "spacing": (0.05, 0.2), "jitter": (0.0, 0.08)}
+    clears_start = True
+    kind: Literal["stepping_stones"]
+    size: Metres = Field(default=0.35, description="m, side of a stone")
+    spacing: float = Field(default=0.125, ge=0.0, le=10.0, description="m between two stones")
+    jitter: float = Field(
+        default=0.04,
+        ge=0.0,
+        le=1.0,
+        description="m, stones lie at random up to this much above or below 0",
+    )
+
+    def shape(self, site: Site) -> Array:
+        pitch = self.size + self.spacing
+        on_x = np.mod(site.x + self.size / 2, pitch) < self.size
+        on_y = np.mod(site.y + self.size / 2, pitch) < self.size
+        heights = self.jitter * (2.0 * _lattice(site, pitch, 4, self.size / 2) - 1.0)
+        return np.where(on_x & on_y, heights, math.nan)
+
+
+class Poles(Generated):
+    """Round poles at random in an area ahead of the origin."""
+
+    RAMP = {"count": (4, 40)}
+    clears_start = True
+    kind: Literal["poles"]
+    count: int = Field(default=16, ge=0, le=500, description="poles")
+    radius: float = Field(default=0.05, ge=0.01, le=1.0, description="m")
+    height: float = Field(default=0.5, gt=0.0, le=3.0, description="m")
+    spacing: float = Field(
+        default=0.25, ge=0.0, le=10.0, description="m of free ground between two poles"
+    )
+    area: Annotated[list[Place], Field(min_length=4, max_length=4)] = Field(
+        default=[1.2, 8.0, -2.0, 2.0],
+        description="m, x_min, x_max, y_min, y_max of the ground they stand on",
+    )
+
+    @model_validator(mode="after")
+    def _area_is_a_rectangle(self) -> Poles:
+        x_min, x_max, y_min, y_max = self.area
+        if not (x_min < x_max and y_min < y_max):
+            raise ValueError(
+                f"area must be [x_min, x_max, y_min, y_max] with x_min < x_max and y_min < y_max, got {self.area}"
+            )
+        return self
+
+    def centres(self, site: Site) -> list[tuple[float, float]]:
+        """Where the poles stand, outside the start's clearing; the area may be too small for all of
+        them.
+        """
+        rng = np.random.default_rng([site.seed, 5])
+        x_min, x_max, y_min, y_max = self.area
+        apart, placed = 2 * self.radius + self.spacing, list[tuple[float, float]]()
+        for _ in range(50 * self.count):
+            if len(placed) == self.count:
+                break
+            x, y = float(rng.uniform(x_min, x_max)), float(rng.uniform(y_min, y_max))
+            clear = math.hypot(x - site.start[0], y - site.start[1]) > site.clear + self.radius
+            if clear and all(math.hypot(x - px, y - py) >= apart for px, py in placed):
+                placed.append((x, y))
+        if len(placed) < self.count:
+            raise GroundError(
+                f"only {len(placed)} of {self.count} poles fit; use fewer, less spacing or a larger area"
+            )
+        return placed
+
+    def shape(self, site: Site) -> Array:
+        heights = np.zeros((site.y.size, site.x.size))
+        for px, py in self.centres(site):
+            c0, c1 = _span(px, self.radius, site.bounds[0], site.cell, site.x.size)
+            r0, r1 = _span(py, self.radius, site.bounds[2], site.cell, site.y.size)
+            patch = heights[r0:r1, c0:c1]
+            patch[
+                np.hypot(site.x[:, c0:c1] - px, site.y[r0:r1] - py)
+                <= max(self.radius, 0.75 * site.cell)
+            ] = self.height
+        return heights
+
+    def obstacles(self, site: Site) -> tuple[Obstacle, ...]:
+        return tuple(Obstacle(x, y, 0.0, self.height, self.radius) for x, y in self.centres(site))
+
+
+class Dem(Generated):
+    """A real elevation model at walking scale: the Jacksboro fault, Tennessee; mirrored beyond its
+    edges.
+    """
+
+    RAMP = {"relief": (3000.0, 1000.0)}
+    kind: Literal["dem"]
+    scale: float = Field(default=1000.0, ge=10.0, le=1e6, description="horizontal scale 1:scale")
+    relief: float = Field(default=2000.0, ge=10.0, le=1e9, description="vertical scale 1:relief")
+    offset: Annotated[list[Place], Field(min_length=2, max_length=2)] = Field(
+        default=[8.0, 16.0],
+        description="m at walking scale, east and north of the model's south-west corner: what lies at the origin",
+    )
+    heading_deg: Degrees = Field(
+        default=0.0, description="compass direction of +x, counter-clockwise from east"
+    )
+
+
+class FileTerrain(Terrain):
+    """Heights from a .npy, .npz (a run's own terrain.npz) or grey .png file; row index is y, column
+    index is x.
+    """
+
+    kind: Literal["file"]
+    file: str = Field(
+        min_length=1, max_length=500, description="path, relative to the scenario file"
+    )
+    cell: float | None = Field(
+        default=None, ge=CELL_MIN, le=CELL_MAX, description="m; 0.05, or the .npz file's own"
+    )
+    scale: float = Field(
+        default=1.0,
+        ge=-1000.0,
+        le=1000.0,
+        description="m for white in a picture, a factor otherwise",
+    )
+    origin: Annotated[list[Place], Field(min_length=2, max_length=2)] | None = Field(
+        default=None,
+        description="x, y of the corner of cell [0, 0]; the map's middle lies at the origin, or the .npz file's own",
+    )
+    nan: Literal["hole"] | None = Field(
+        default=None, description='"hole": NaN is a hole without a bottom; refused otherwise'
+    )
+    smooth: bool = Field(default=False, description="interpolate to cells of at most 0.025 m")
+    final: bool = Field(default=False, description="only the cell under the foot tip counts")
+
+
+AnyTerrain = Annotated[
+    Flat
+    | Slope
+    | Rough
+    | Stairs
+    | Block
+    | River
+    | Holes
+    | Footholds
+    | Poles
+    | Gap
+    | Pit
+    | SteppingStones
+    | Wave
+    | Dem
+    | FileTerrain,
+    Field(discriminator="kind"),
+]
+KINDS: dict[str, type[Terrain]] = {
+    "flat": Flat,
+    "slope": Slope,
+    "rough": Rough,
+    "stairs": Stairs,
+    "block": Block,
+    "river": River,
+    "holes": Holes,
+    "footholds": Footholds,
+    "poles": Poles,
+    "gap": Gap,
+    "pit": Pit,
+    "stepping_stones": SteppingStones,
+    "wave": Wave,
+    "dem": Dem,
+    "file": FileTerrain,
+}
+
+
+def list_terrains() -> tuple[tuple[str, str], ...]:
+    """Every kind with one line: what it is and the parameters it takes."""
+    return tuple((kind, _one_line(model)) for kind, model in KINDS.items())
+
+
+def _one_line(model: type[Terrain]) -> str:
+    words = (model.__doc__ or "").strip().splitlines()[0]
+    shared = {
+        name
+        for name, field in Generated.model_fields.items()
+        if field == model.model_fields.get(name)
+    }
+    own = [
+        name for name in model.model_fields if name not in shared | {"kind", "seed", "difficulty"}
+    ]
+    return f"{words} ({', '.join(own)})" if own else words
+
+
+def _turn(angle_deg: float) -> tuple[float, float]:
+    """cos and sin, exact at quarter turns: a river square to the course has straight banks."""
+    quarter, rest = divmod(angle_deg, 90.0)
+    if rest == 0.0:
+        return ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[int(quarter) % 4]
+    return math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
+
+
+def _along(site: Site, heading_deg: float) -> Array:
+    """Distance of every cell from the origin along the heading."""
+    c, s = _turn(heading_deg)
+    return np.asarray(c * site.x + s * site.y)
+
+
+def _box(
+    u0: float,
+    u1: float,
+    v0: float,
+    v1: float,
+    angle_deg: float,
+    base: float,
+    top: float,
+    middle: tuple[float, float] = (0.0, 0.0),
+) -> Obstacle:
+    """The rectangle [u0, u1] x [v0, v1] turned about the origin, then carried to ``middle``."""
+    c, s = _turn(angle_deg)
+    corners = tuple(
+        (middle[0] + c * u - s * v, middle[1] + s * u + c * v)
+        for u, v in ((u0, v0), (u1, v0), (u1, v1), (u0, v1))
+    )
+    return Obstacle(
+        sum(p[0] for p in corners) / 4, sum(p[1] for p in corners) / 4, base, top, 0.0, corners
+    )
+
+
+def _span(centre: float, radius: float, low: float, cell: float, count: int) -> tuple[int, int]:
+    """The range of cells a circle may touch."""
+    first, last = (
+        math.floor((centre - radius - low) / cell) - 1,
+        math.floor((centre + radius - low) / cell) + 2,
+    )
+    return min(max(first, 0), count), min(max(last, 0), count)
+
+
+def _lattice(site: Site, pitch: float, salt: int, shift: float = 0.0) -> Array:
+    """A number in [0, 1) for the lattice square each cell lies in: a hash of its place and the seed
+    (splitmix64).
+    """
+    i = np.floor((site.x + shift) / pitch).astype(np.int64).astype(np.uint64)
+    j = np.floor((site.y + shift) / pitch).astype(np.int64).astype(np.uint64)
+    start = np.full((1, 1), (site.seed * 0x9E3779B97F4A7C15 + salt) % 2**64, dtype=np.uint64)
+    mixed = _splitmix(_splitmix(_splitmix(start) + i) + j)
+    return np.asarray((mixed >> np.uint64(11)).astype(np.float64) * 2.0**-53)
+
+
+def _splitmix(value: NDArray[np.uint64]) -> NDArray[np.uint64]:
+    value = value + np.uint64(0x9E3779B97F4A7C15)
+    value = (value ^ (value >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    value = (value ^ (value >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    return value ^ (value >> np.uint64(31))
