@@ -87,7 +87,7 @@ def stable_interval(
 def stable_on_arc(
     polygon: Polygon, ux: float, uy: float, turn: float, inset: float = 0.0
 ) -> tuple[float, float]:
-    """As ``stable_interval``, for a course of constant arc from the origin (``course.ArcPath``),
+    """As ``stable_interval``, for a course of constant curvature from the origin (``course.ArcPath``),
     keeping ``inset`` from every edge.
 
     Closed form: the way runs on a circle about the turning centre, an edge cuts one window of

@@ -22,7 +22,7 @@ FOREVER = math.inf
 
 
 class ArcPath(NamedTuple):
-    """A course of constant arc from the present pose, in present body axes: a line when ``turn``
+    """A course of constant curvature from the present pose, in present body axes: a line when ``turn``
     is 0, else an arc.
 
     Per metre of s the body moves (``ux``, ``uy``) and turns ``turn`` radians. With the yaw length
