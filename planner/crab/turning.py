@@ -1,7 +1,7 @@
 """Level B2 while the torso turns (H §5 with circles for lines): who swings, how far, where the foot
 comes down.
 
-The course is an arc of constant arc, down to a turn on the spot. What the paper settles by rule
+The course is a course of constant curvature, down to a turn on the spot. What the paper settles by rule
 on a straight course is searched for here: sequences of swings and of sways (the body shifted on
 four legs) are grown a few steps deep, always the most promising ones, and the first step of the
 best is taken. Each swing is the paper's: g0 until the triangle carries, g as far as it carries and

@@ -3,7 +3,7 @@ steps of s.
 
 Every kind is drawn finely by a formula of its own parameter and then resampled by s, ds² = dξ² +
 dη² + (ρ dβ)²; the chords between samples stay within a tenth of a millimetre of the curve for radii
-over 0.2 m. A joystick's trace is the constant arc from where the machine stands; it is drawn
+over 0.2 m. A joystick's trace is the constant curvature from where the machine stands; it is drawn
 again, longer, as the machine walks on.
 """
 
@@ -89,7 +89,7 @@ def joystick_trace(
     ahead: float = JOYSTICK_AHEAD,
     step: float = STEP,
 ) -> SampledPath:
-    """The trace of a held joystick: the constant arc from ``start`` (gait-spec §10)."""
+    """The trace of a held joystick: the course of constant curvature from ``start`` (gait-spec §10)."""
     arc, _ = arc_of_command(crab_angle, speed, turn_rate, yaw_length)
     s = np.arange(round(ahead / step) + 1) * step
     angle = arc.turn * s

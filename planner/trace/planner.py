@@ -69,7 +69,7 @@ def plan_step(
     stance: Stance, command: Command, terrain: TerrainMap, machine: Machine, gait: Gait, *, explain: bool = False,
     trace: SampledPath | None = None, prediction: Prediction | None = None, rigid: RigidGait | None = None,
 ) -> StepPlan | Blocked:  # fmt: skip
-    """The next step along the trace (the joystick's constant arc when none is given), or why
+    """The next step along the trace (the joystick's own course when none is given), or why
     there is none.
 
     A ``prediction`` that still serves is used; otherwise one is made here and now.
