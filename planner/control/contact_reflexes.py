@@ -18,7 +18,8 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import NamedTuple
 
-from ..motion.foot_placement import body_still_plan, settle_plan
+from ..motion.foot_placement import settle_plan
+from ..motion.step_builder import body_still_plan
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
 from ..types import Blocked, Gait, Phase, Point, Stance, StepPlan

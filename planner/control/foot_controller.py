@@ -15,10 +15,9 @@ from bisect import bisect_right
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numpy as np
-
+from ..geometry.transforms import attitude_of
 from ..robot.model import Machine
-from ..types import TICK, Array, Phase, Point, Sensing, Stance, StepPlan
+from ..types import TICK, Phase, Point, Sensing, StepPlan
 
 TURN_MIN = 1e-12  # rad; less than this to turn in one tick is no turn
 LEVEL = 1e-12  # rad; a posture sensor that reads less reads level
@@ -242,20 +241,6 @@ def _pace(stretch: _Stretch, end: float, limits: tuple[float, float, float]) -> 
             axes = (c * wx + d * wy, c * wy - d * wx, vz - stretch.rate[2])
             share = max(share, *(abs(v) / limit for v, limit in zip(axes, limits, strict=True)))
     return 1.0 / share if share > 0.0 else math.inf
-
-
-def attitude_of(lean: tuple[float, float], yaw: float) -> tuple[float, float]:
-    """Roll and pitch of a body of this yaw whose floor has this gradient along absolute x and y."""
-    c, s = math.cos(yaw), math.sin(yaw)
-    ahead, left = c * lean[0] + s * lean[1], c * lean[1] - s * lean[0]
-    return math.asin(left / math.sqrt(1.0 + ahead * ahead + left * left)), -math.atan(ahead)
-
-
-def holding_plan(stance: Stance) -> StepPlan:
-    """The plan that stands where it stands, for ticks in which nothing is to move."""
-    body: Array = np.array([stance.body, stance.body], dtype=np.float64)
-    feet: Array = np.array([stance.feet, stance.feet], dtype=np.float64)
-    return StepPlan(stance.lifted, np.array([0.0, TICK]), body, feet, (Phase.SHIFT,), stance)
 
 
 def reflex(

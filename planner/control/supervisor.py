@@ -15,9 +15,11 @@ import math
 from collections.abc import Callable, Generator
 from dataclasses import replace
 
+from ..geometry.transforms import attitude_of
 from ..motion.body_tilt import LEVEL, leaned, leaning, unleaned
 from ..motion.foot_placement import settle_together
 from ..motion.postures import Choosing, Poses, regroup, sit, stand
+from ..motion.step_builder import changed, holding_plan
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
 from ..types import (
@@ -52,8 +54,6 @@ from .foot_controller import (
     Gains,
     ReflexState,
     TrajectoryTracker,
-    attitude_of,
-    holding_plan,
     reflex,
 )
 
@@ -301,7 +301,7 @@ class GaitSupervisor:
         if airborne:
             return self._no_ground(sensing, terrain)
         stance = self._arrived(sensing)
-        self._finish(replace(plan, end=stance))
+        self._finish(changed(plan, end=stance))
         self._held = 0
         self._consider(stance, command, terrain, PIECES_WANTED)
         answer = self._answer(command)
@@ -563,7 +563,7 @@ class GaitSupervisor:
         if good:
             stance = plan.end  # what sensors say beside it is noise
         if self.posture == "standard":
-            self._finish(replace(plan, end=stance))
+            self._finish(changed(plan, end=stance))
         self.stance = stance
         if not self._poses:
             self._posed(stance)

@@ -10,18 +10,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import NamedTuple
-
-import numpy as np
 
 from ..geometry.paths import ArcPath, arc_exit
 from ..motion.body_height import CLEARANCE, height_range, lift, torso_needs, torso_needs_exactly
+from ..motion.step_builder import FootKnot, plan_of_one_foot, plan_on_all_feet
 from ..motion.timing import BACK_MIN, EASED, EVEN, Swing
 from ..robot.collision import leg_in_the_way, something_tall
 from ..robot.model import Machine
 from ..stability import XY, polygon_margin, support_polygon
 from ..terrain.map import TerrainMap
-from ..types import Array, Blocked, Command, Gait, Phase, Point, Stance, StepPlan
+from ..types import Blocked, Command, Gait, Phase, Point, Stance, StepPlan
 from .arcs import Circular, reversed_course
 from .leg_selection import STILL, Notes
 
@@ -171,19 +171,21 @@ def sway_plan(rises: Rises, move: Move, pace: float, notes: Notes | None) -> Ste
     speed = min(pace, cruise) if pace > 0.0 else cruise
     dx, dy = move.landing
     way = math.hypot(dx, dy)
-    times = np.array([0.0, way / speed])
-    body = np.array([stance.body, (x, y, z, yaw)])
-    feet = np.array([stance.feet, stance.feet])
-    for array in (times, body, feet):
-        array.setflags(write=False)
+    end_body = x, y, z, yaw
+    end = replace(stance, body=end_body, lifted=(), still=stance.still + 1, lean=(0.0, 0.0))
     polygon = support_polygon(in_body(stance))
-    return StepPlan(
-        swing=(), times=times, body=body, feet=feet, phases=(Phase.SHIFT,),
-        end=Stance((x, y, z, yaw), stance.feet, stance.last_swing, stance.quarter_turns, (), stance.course, stance.still + 1),
-        crab_angle=math.atan2(dy, dx), standard_margin=circular.margin,
+    return plan_on_all_feet(
+        stance,
+        (0.0, way / speed),
+        (stance.body, end_body),
+        end,
+        crab_angle=math.atan2(dy, dx),
+        standard_margin=circular.margin,
         margin_min=min(polygon_margin(polygon, 0.0, 0.0), polygon_margin(polygon, dx, dy)),
-        speed=speed, speed_max=cruise, decision=notes,
-    )  # fmt: skip
+        speed=speed,
+        speed_max=cruise,
+        decision=notes,
+    )
 
 
 def _cruise(machine: Machine, gait: Gait, circular: Circular) -> float:
@@ -235,21 +237,39 @@ def swing_plan(
     )
     path = BodyOnArc(stance, circular.arc, move.g0, move.g, height)
     clock = _clock(rises, move, path, corners, pace)
-    times, body, feet, phases = _knots(path, clock, corners, leg, gait.smooth)
+    rows, phases = _knots(path, clock, corners, leg, gait.smooth)
     still = 0 if move.g >= useful else stance.still + 1
     ends = tuple(landing if i == leg else foot for i, foot in enumerate(stance.feet))
     start_x, start_y = (
         x + c * move.start[0] - s * move.start[1],
         y + s * move.start[0] + c * move.start[1],
     )
-    return StepPlan(
-        swing=(leg,), times=times, body=body, feet=feet, phases=phases,
-        end=Stance((end_x, end_y, height, end_yaw), ends, leg, stance.quarter_turns, (), stance.course + move.g, still),
-        crab_angle=command.crab_angle, support_shift=move.g0, shift=move.g,
-        standard_margin=circular.margin, margin_min=_margin(path, stance, leg),
-        speed=clock.speed, speed_max=clock.speed_max,
-        search_start=(start_x, start_y, landing[2]), landing=landing, decision=notes,
-    )  # fmt: skip
+    end = Stance(
+        (end_x, end_y, height, end_yaw),
+        ends,
+        leg,
+        stance.quarter_turns,
+        (),
+        stance.course + move.g,
+        still,
+    )
+    return plan_of_one_foot(
+        stance,
+        leg,
+        rows,
+        phases,
+        end,
+        crab_angle=command.crab_angle,
+        support_shift=move.g0,
+        shift=move.g,
+        standard_margin=circular.margin,
+        margin_min=_margin(path, stance, leg),
+        speed=clock.speed,
+        speed_max=clock.speed_max,
+        search_start=(start_x, start_y, landing[2]),
+        landing=landing,
+        decision=notes,
+    )
 
 
 class BodyOnArc:
@@ -368,7 +388,7 @@ def _standing(rises: Rises, climbs: float) -> float:
     return ROUNDING / fastest
 
 
-Knots = tuple[Array, Array, Array, tuple[Phase, ...]]
+Knots = tuple[list[FootKnot], list[Phase]]
 
 
 def _knots(path: BodyOnArc, clock: Clock, corners: Swing, leg: int, smooth: bool) -> Knots:
@@ -378,9 +398,7 @@ def _knots(path: BodyOnArc, clock: Clock, corners: Swing, leg: int, smooth: bool
     stand, top, over, aim = corners
     g0, g = path.g0, path.g
     total = clock.up + clock.back + clock.down
-    rows: list[tuple[float, tuple[float, float, float, float], Point]] = [
-        (0.0, path.at(0.0), stand)
-    ]
+    rows: list[FootKnot] = [(0.0, path.at(0.0), stand)]
     phases: list[Phase] = []
     for k in range(1, (pieces := _pieces(path.arc, g0)) + 1 if g0 > STILL else 1):
         rows.append((clock.support * k / pieces, path.at(g0 * k / pieces), stand))
@@ -407,7 +425,7 @@ def _knots(path: BodyOnArc, clock: Clock, corners: Swing, leg: int, smooth: bool
         begin, way, spent = begin + duration, way + gone, spent + share
         rows[-1] = begin, rows[-1][1], b
     rows[-1] = rows[-1][0], path.at(g, 1.0), aim
-    return *_arrays(rows, path.stance.feet, leg), tuple(phases)
+    return rows, phases
 
 
 def _pieces(arc: ArcPath, way: float) -> int:
@@ -427,17 +445,3 @@ def _profile(smooth: bool, pieces: int) -> Iterator[tuple[float, float]]:
 
 def _between(a: Point, b: Point, share: float) -> Point:
     return a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]), a[2] + share * (b[2] - a[2])
-
-
-def _arrays(
-    rows: list[tuple[float, tuple[float, float, float, float], Point]],
-    feet: tuple[Point, ...],
-    leg: int,
-) -> tuple[Array, Array, Array]:
-    """Knots as write-protected arrays."""
-    times, body = np.array([row[0] for row in rows]), np.array([row[1] for row in rows])
-    paths = np.broadcast_to(np.array(feet), (len(rows), len(feet), 3)).copy()
-    paths[:, leg] = [row[2] for row in rows]
-    for array in (times, body, paths):
-        array.setflags(write=False)
-    return times, body, paths

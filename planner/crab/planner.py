@@ -7,8 +7,6 @@ from __future__ import annotations
 import math
 from functools import cached_property, lru_cache
 
-import numpy as np
-
 from ..geometry.paths import line_exit
 from ..motion.body_height import (
     CLEARANCE,
@@ -19,11 +17,12 @@ from ..motion.body_height import (
     torso_needs,
     torso_needs_exactly,
 )
-from ..motion.timing import Knot, Swing, Timing, knots, speed_limit, timing
+from ..motion.step_builder import plan_of_one_foot
+from ..motion.timing import Swing, Timing, knots, speed_limit, timing
 from ..robot.collision import leg_in_the_way, something_tall
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
-from ..types import Array, Blocked, Command, Gait, Point, Stance, StepPlan
+from ..types import Blocked, Command, Gait, Point, Stance, StepPlan
 from .foothold_search import Landing, corners_of, domain_of, ground_of
 from .gait import STRETCH_LEAN, Posture, Standard, posture_of, standard_for
 from .leg_selection import STANDING_LEG, Notes, Shift, Step, decide, exits_of
@@ -303,23 +302,23 @@ def build(
     feet = list(stance.feet)
     feet[leg] = landing
     start_x, start_y = posture.absolute(*step.start)
-    times, body, paths = _arrays(rows, stance.feet, leg, yaw)
+    along = [(t, (*place, yaw), foot) for t, place, foot in rows]
     if notes is not None:
         notes["domain"] = searched(standard, posture, step)
-    return StepPlan(
-        swing=(leg,),
-        times=times,
-        body=body,
-        feet=paths,
-        phases=tuple(phases),
-        end=Stance(
-            (end_x, end_y, height, yaw),
-            tuple(feet),
-            leg,
-            standard.quarter_turns,
-            (),
-            stance.course + step.g,
-        ),
+    end = Stance(
+        (end_x, end_y, height, yaw),
+        tuple(feet),
+        leg,
+        standard.quarter_turns,
+        (),
+        stance.course + step.g,
+    )
+    return plan_of_one_foot(
+        stance,
+        leg,
+        along,
+        phases,
+        end,
         crab_angle=standard.course,
         support_shift=step.g0,
         shift=step.g,
@@ -419,18 +418,3 @@ def _body_axes(x: float, y: float, n: int) -> tuple[float, float]:
     for _ in range(n):
         x, y = -y, x
     return x, y
-
-
-def _arrays(
-    rows: list[Knot], feet: tuple[Point, ...], leg: int, yaw: float
-) -> tuple[Array, Array, Array]:
-    """Knots as write-protected arrays: times (m,), body (m, 4), feet (m, n_legs, 3)."""
-    count = len(rows)
-    before = [v for foot in feet[:leg] for v in foot]
-    behind = [v for foot in feet[leg + 1 :] for v in foot]
-    flat: list[float] = []
-    for t, place, foot in rows:
-        flat += (t, *place, yaw, *before, *foot, *behind)
-    table = np.array(flat).reshape(count, 5 + 3 * len(feet))
-    table.setflags(write=False)
-    return table[:, 0], table[:, 1:5], table[:, 5:].reshape(count, len(feet), 3)

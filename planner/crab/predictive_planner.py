@@ -9,12 +9,11 @@ from collections.abc import Generator
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
+from ..motion.step_builder import plan_on_all_feet
 from ..robot.model import Machine
 from ..search import in_one_go, unhurried
 from ..terrain.map import TerrainMap
-from ..types import Blocked, Command, Gait, Phase, Stance, StepPlan
+from ..types import Blocked, Command, Gait, Stance, StepPlan
 from .candidates import ON_THE_SPOT, Field, Sway
 from .leg_selection import Notes, Step, decide
 from .lookahead_search import GETS_ON, STUCK, Choice, Chosen, Ways, choose, standard_way
@@ -158,23 +157,17 @@ def sway_plan(
     way, course = math.hypot(sway.x, sway.y), math.atan2(end_y - y, end_x - x) - yaw
     speed_max = cruise_speed(field.machine, field.gait, math.remainder(course, 2 * math.pi))
     speed = min(speed_max, command.speed) if command.speed > 0.0 else speed_max
-    times = np.array([0.0, way / speed])
-    body = np.array([[x, y, z, yaw], [end_x, end_y, z, yaw]])
-    feet = np.array([stance.feet, stance.feet])
-    for array in (times, body, feet):
-        array.setflags(write=False)
-    return StepPlan(
-        swing=(),
-        times=times,
-        body=body,
-        feet=feet,
-        phases=(Phase.SHIFT,),
-        end=replace(
-            stance,
-            body=(end_x, end_y, z, yaw),
-            quarter_turns=field.standard.quarter_turns,
-            course=stance.course + way,
-        ),
+    end = replace(
+        stance,
+        body=(end_x, end_y, z, yaw),
+        quarter_turns=field.standard.quarter_turns,
+        course=stance.course + way,
+    )
+    return plan_on_all_feet(
+        stance,
+        (0.0, way / speed),
+        (stance.body, end.body),
+        end,
         crab_angle=course,
         support_shift=way,
         shift=way,

@@ -71,6 +71,36 @@ def rotation(roll: float, pitch: float, yaw: float) -> Matrix:
     )
 
 
+def turned_by(matrix: Matrix, vector: Point) -> Point:
+    """A vector of body axes in absolute axes, by the rows of a rotation matrix."""
+    a, b, c = matrix
+    x, y, z = vector
+    return (
+        a[0] * x + a[1] * y + a[2] * z,
+        b[0] * x + b[1] * y + b[2] * z,
+        c[0] * x + c[1] * y + c[2] * z,
+    )
+
+
+def turned_back_by(matrix: Matrix, vector: Point) -> Point:
+    """A vector of absolute axes in body axes, by the rows of a rotation matrix."""
+    a, b, c = matrix
+    x, y, z = vector
+    return (
+        a[0] * x + b[0] * y + c[0] * z,
+        a[1] * x + b[1] * y + c[1] * z,
+        a[2] * x + b[2] * y + c[2] * z,
+    )
+
+
+def attitude_of(gradient: XY, yaw: float) -> XY:
+    """Roll and pitch, rad, of a body at ``yaw`` whose floor has this gradient along absolute x and
+    y, m per m.
+    """
+    ahead, left = turned_back(gradient[0], gradient[1], yaw)
+    return math.asin(left / math.sqrt(1.0 + ahead * ahead + left * left)), -math.atan(ahead)
+
+
 def left_fold_sum(values: Iterable[float]) -> float:
     """Sum of floats, added one after the other from the left.
 

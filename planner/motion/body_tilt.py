@@ -14,11 +14,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..control.foot_controller import attitude_of, rotation, unturned
+from ..geometry.transforms import attitude_of, rotation, turned_back, turned_back_by
 from ..robot.model import Leg, Machine
 from ..stability import polygon_margin, support_polygon
 from ..terrain.map import TerrainMap
-from ..types import TICK, Phase, Point, Stance, StepPlan
+from ..types import TICK, Point, Stance, StepPlan
+from .step_builder import changed, plan_on_all_feet
 
 Lean = tuple[float, float]  # gradient of the body's floor along x and y
 LEVEL: Lean = (0.0, 0.0)
@@ -55,7 +56,7 @@ class Frame:
             for leg, foot in enumerate(plan.end.feet)
         )
         x, y, z = self._raised(plan.end.body[:3])
-        return replace(
+        return changed(
             plan,
             body=body,
             feet=feet,
@@ -173,15 +174,12 @@ def leaned(stance: Stance, lean: Lean, machine: Machine) -> StepPlan | None:
     ):
         return None
     seconds = max(LEANING * math.dist(stance.lean, lean), TICK)
-    body, feet = np.array([stance.body] * 2), np.array([stance.feet] * 2)
     carrying = [foot for leg, foot in enumerate(stance.feet) if leg not in stance.lifted]
     margin = polygon_margin(support_polygon(carrying), stance.body[0], stance.body[1])
-    return StepPlan(
-        stance.lifted,
-        np.array([0.0, seconds]),
-        body,
-        feet,
-        (Phase.SHIFT,),
+    return plan_on_all_feet(
+        stance,
+        (0.0, seconds),
+        (stance.body, stance.body),
         replace(stance, lean=lean),
         margin_min=margin,
         lean=stance.lean,
@@ -197,7 +195,7 @@ def _within(
     pitch: float,
 ) -> bool:
     """True when a foot is in the mechanical reach of its leg at this posture."""
-    seen = unturned(
+    seen = turned_back_by(
         rotation(roll, pitch, body[3]), (foot[0] - body[0], foot[1] - body[1], foot[2] - body[2])
     )
     spec = machine.legs[leg]
@@ -246,8 +244,7 @@ def sheared(
 
 def in_body(gradient: Lean, yaw: float) -> Lean:
     """An absolute gradient along body x and y."""
-    c, s = math.cos(yaw), math.sin(yaw)
-    return c * gradient[0] + s * gradient[1], c * gradient[1] - s * gradient[0]
+    return turned_back(gradient[0], gradient[1], yaw)
 
 
 def reaches(

@@ -16,7 +16,8 @@ import numpy as np
 
 from ..robot.model import Leg, Machine
 from ..terrain.map import TerrainMap
-from ..types import TICK, Blocked, Gait, Phase, Point, Stance, StepPlan
+from ..types import Blocked, Gait, Phase, Point, Stance, StepPlan
+from .step_builder import body_still_plan, plan_from_knots
 
 CLEARANCE = 0.03  # m above the highest ground on the way; smaller and toes scrape
 
@@ -84,11 +85,15 @@ def settle_together(
     feet = list(stance.feet)
     for leg, plan in plans.items():
         feet[leg] = plan.end.feet[leg]
-    return StepPlan(
-        swing=tuple(plans), times=np.cumsum([0.0, *(seconds[k - 1] for k in kept[1:])]), body=np.array([stance.body] * len(kept)),
-        feet=np.array([rows[k] for k in kept]), phases=tuple(phases[k - 1] for k in kept[1:]),
-        end=replace(stance, feet=tuple(feet), lifted=stays), landing=next(iter(plans.values())).landing,
-    )  # fmt: skip
+    return plan_from_knots(
+        tuple(plans),
+        np.cumsum([0.0, *(seconds[k - 1] for k in kept[1:])]),
+        [stance.body] * len(kept),
+        [tuple(rows[k]) for k in kept],
+        tuple(phases[k - 1] for k in kept[1:]),
+        replace(stance, feet=tuple(feet), lifted=stays),
+        landing=next(iter(plans.values())).landing,
+    )
 
 
 def nearest_ground(stance: Stance, leg: int, terrain: TerrainMap, machine: Machine) -> Point | None:
@@ -173,29 +178,3 @@ def _aim(landing: Point, machine: Machine, stance: Stance, leg: int, gait: Gait)
     """h_up below the expected ground, as far as the mechanical reach goes: touch decides (H §4.5)."""
     bottom = stance.body[2] + machine.legs[leg].z[0] - machine.overreach[2]
     return landing[0], landing[1], min(landing[2], max(landing[2] - gait.lift_up, bottom))
-
-
-def body_still_plan(
-    stance: Stance,
-    leg: int,
-    knots: list[Point],
-    seconds: tuple[float, ...],
-    phases: tuple[Phase, ...],
-    landing: Point,
-) -> StepPlan:
-    """One foot goes along ``knots`` (the first is where it is), ``seconds`` and a phase per
-    stretch; the body stays where it is.
-    """
-    kept = [0, *(k for k, duration in enumerate(seconds, 1) if duration > 0.0)]
-    if len(kept) == 1:  # nowhere to go: one tick of staying
-        kept, knots, seconds = [0, 1], [knots[0], knots[0]], (TICK,)
-    times = np.cumsum([0.0, *(seconds[k - 1] for k in kept[1:])])
-    feet = np.array(
-        [[knots[k] if i == leg else foot for i, foot in enumerate(stance.feet)] for k in kept]
-    )
-    body = np.array([stance.body] * len(kept))
-    ends = tuple(landing if i == leg else foot for i, foot in enumerate(stance.feet))
-    return StepPlan(
-        swing=(leg,), times=times, body=body, feet=feet, phases=tuple(phases[k - 1] for k in kept[1:]),
-        end=replace(stance, feet=ends), landing=landing,
-    )  # fmt: skip

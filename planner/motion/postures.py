@@ -16,8 +16,6 @@ from collections.abc import Generator, Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-import numpy as np
-
 from ..geometry.paths import Box
 from ..robot.collision import leg_in_the_way
 from ..robot.model import Machine
@@ -25,7 +23,7 @@ from ..stability import XY, Polygon, polygon_margin, support_polygon
 from ..terrain.map import TerrainMap
 from ..types import TICK, Blocked, Gait, Phase, Point, Stance, StepPlan
 from .body_height import CLEARANCE, lift, torso_needs, torso_needs_exactly
-from .foot_placement import body_still_plan
+from .step_builder import body_still_plan, changed, holding_plan, plan_on_all_feet
 from .timing import EASED, EVEN
 
 THERE = 0.01  # m; a foot this near its place stays; smaller: see feet lifted and put back
@@ -167,11 +165,9 @@ def _moved(stance: Stance, places: Sequence[Point], machine: Machine, gait: Gait
     if len(times) == 1:
         return ()
     rows[-1] = (x, y, z, yaw)
-    count = len(times)
-    return (StepPlan(
-        swing=(), times=np.array(times), body=np.array(rows), feet=np.array([stance.feet] * count), phases=(Phase.SHIFT,) * (count - 1),
-        end=replace(stance, body=(x, y, z, yaw)), support_shift=math.hypot(x - stance.body[0], y - stance.body[1]),
-    ),)  # fmt: skip
+    end = replace(stance, body=(x, y, z, yaw))
+    way = math.hypot(x - stance.body[0], y - stance.body[1])
+    return (plan_on_all_feet(stance, times, rows, end, support_shift=way),)
 
 
 # back into the standard layout
@@ -516,19 +512,8 @@ class _Regrouping:
             now, last_swing=self.goal.last_swing, quarter_turns=self.goal.quarter_turns, still=0
         )
         if not out:
-            body, rows = np.array([now.body] * 2), np.array([feet] * 2)
-            return (
-                StepPlan(
-                    (),
-                    np.array([0.0, TICK]),
-                    body,
-                    rows,
-                    (Phase.SHIFT,),
-                    end,
-                    crab_angle=self.crab_angle,
-                ),
-            )
-        out[-1] = replace(out[-1], end=end)
+            return (changed(holding_plan(now), end=end, crab_angle=self.crab_angle),)
+        out[-1] = changed(out[-1], end=end)
         return tuple(out)
 
     def _sway(self, now: Stance, to: Point, out: list[StepPlan], least: float) -> Stance:
@@ -540,7 +525,7 @@ class _Regrouping:
             return now
         polygon = support_polygon(now.feet)
         margin = min(polygon_margin(polygon, x, y), polygon_margin(polygon, px, py))
-        out += [replace(plan, crab_angle=self.crab_angle, margin_min=margin) for plan in way]
+        out += [changed(plan, crab_angle=self.crab_angle, margin_min=margin) for plan in way]
         return out[-1].end
 
     def _swing(
@@ -567,7 +552,7 @@ class _Regrouping:
         plan = body_still_plan(
             now, leg, list(corners), seconds, (Phase.UP, Phase.RETURN, Phase.DOWN), landing
         )
-        out.append(replace(plan, crab_angle=self.crab_angle, margin_min=margin))
+        out.append(changed(plan, crab_angle=self.crab_angle, margin_min=margin))
         return plan.end
 
 

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from ..motion.step_builder import plan_from_knots
 from ..robot.model import Machine
 from ..stability import longitudinal_margin, polygon_margin, support_polygon
 from ..terrain.map import TerrainMap
@@ -401,16 +402,23 @@ def step_plan(
     heading = math.atan2(end_body[1] - stance.body[1], end_body[0] - stance.body[0])
     travelled = math.hypot(end_body[0] - stance.body[0], end_body[1] - stance.body[1])
     landing = next((move.after[leg] for leg in move.legs if move.after[leg] is not None), None)
-    times, body, feet = np.array(knots.times), np.array(knots.body), np.array(knots.feet)
-    return StepPlan(
-        swing=air, times=times, body=body, feet=feet, phases=tuple(knots.phases), end=end,
-        crab_angle=math.remainder(heading - stance.body[3], 2 * math.pi) if travelled > 1e-6 else 0.0,
-        support_shift=shift_length, shift=total,
+    return plan_from_knots(
+        air,
+        knots.times,
+        knots.body,
+        knots.feet,
+        tuple(knots.phases),
+        end,
+        crab_angle=math.remainder(heading - stance.body[3], 2 * math.pi)
+        if travelled > 1e-6
+        else 0.0,
+        support_shift=shift_length,
+        shift=total,
         margin_min=_least_margin(knots, air, lifted),
         speed=total / seconds if total > PAUSE_SPEED else 0.0,
         speed_max=total / least if total > PAUSE_SPEED else 0.0,
         landing=landing,
-    )  # fmt: skip
+    )
 
 
 def _carried_b(stance: Stance) -> dict[int, Point]:

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from ..geometry.paths import SampledPath
+from ..motion.step_builder import changed
 from ..robot.model import Machine
 from ..search import in_one_go
 from ..terrain.map import TerrainMap
@@ -241,7 +242,7 @@ def next_step(
     plan = step_plan(stance, prediction.moves[n], max(pace, 1e-3), terrain, machine, gait)
     if not explain:
         return plan
-    return replace(plan, decision=_decision(prediction, n))
+    return changed(plan, decision=_decision(prediction, n))
 
 
 def _first_to_leave(prediction: Prediction) -> int | None:

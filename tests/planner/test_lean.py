@@ -12,10 +12,9 @@ from walking_console.planner.control.foot_controller import (
     Gains,
     ReflexState,
     TrajectoryTracker,
-    attitude_of,
     reflex,
-    rotation,
 )
+from walking_console.planner.geometry.transforms import attitude_of, rotation
 from walking_console.planner.motion.body_tilt import (
     LEAN_STEP,
     LEVEL,

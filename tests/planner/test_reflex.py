@@ -12,9 +12,9 @@ from walking_console.planner.control.foot_controller import (
     Gains,
     ReflexState,
     TrajectoryTracker,
-    holding_plan,
     reflex,
 )
+from walking_console.planner.motion.step_builder import holding_plan
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.types import Phase, Point, Sensing, Stance, StepPlan
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from walking_console.planner.control.foot_controller import attitude_of
+from walking_console.planner.geometry.transforms import attitude_of
 from walking_console.planner.motion.body_tilt import LEVEL
 from walking_console.planner.types import Command, Mode
 from walking_console.sim.runs.recorder import Recorder, input_from

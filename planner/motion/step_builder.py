@@ -1,0 +1,159 @@
+"""Step plans from knots: the one place that builds a ``StepPlan``.
+
+A plan is a table of knots: at each a time, the body and every foot. Four ways to give that table
+cover all there is: every foot at every knot (``plan_from_knots``), one foot that swings while the
+others stand (``plan_of_one_foot``), one foot that swings while the body waits
+(``body_still_plan``), and a body that moves on all its feet (``plan_on_all_feet``).
+``holding_plan`` stands still for a tick; ``changed`` copies a plan with other contents.
+
+What else is known of a step (its margin, speed, landing point ...) goes along by name: the words
+of ``StepFacts``, explained at ``StepPlan``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, TypedDict, Unpack
+
+import numpy as np
+
+from ..geometry.transforms import Body
+from ..types import TICK, Array, Phase, Point, Stance, StepPlan
+
+Feet = tuple[Point, ...]
+# s from the step-switching point, the body and the swing foot then, absolute frame
+FootKnot = tuple[float, Body, Point]
+
+
+class StepFacts(TypedDict, total=False):
+    """What is told of a step beside its motion; units and meaning as in ``StepPlan``."""
+
+    crab_angle: float
+    support_shift: float
+    shift: float
+    standard_margin: float
+    margin_min: float
+    speed: float
+    speed_max: float
+    search_start: Point | None
+    landing: Point | None
+    lean: tuple[float, float] | None
+    decision: dict[str, Any] | None
+
+
+def plan_from_knots(
+    swing: tuple[int, ...],
+    times: Sequence[float] | Array,
+    body: Sequence[Body] | Array,
+    feet: Sequence[Feet] | Array,
+    phases: tuple[Phase, ...],
+    end: Stance,
+    **facts: Unpack[StepFacts],
+) -> StepPlan:
+    """The plan through m knots: ``times`` (m,) in s, ``body`` (m, 4), ``feet`` (m, n_legs, 3), and
+    a phase for each of the m - 1 stretches between them.
+    """
+    return StepPlan(
+        swing,
+        np.asarray(times, dtype=np.float64),
+        np.asarray(body, dtype=np.float64),
+        np.asarray(feet, dtype=np.float64),
+        phases,
+        end,
+        **facts,
+    )
+
+
+def plan_of_one_foot(
+    stance: Stance,
+    leg: int,
+    knots: Sequence[FootKnot],
+    phases: Sequence[Phase],
+    end: Stance,
+    **facts: Unpack[StepFacts],
+) -> StepPlan:
+    """The plan of a step of one leg: its foot and the body go along ``knots`` (time, body, foot),
+    all other feet of ``stance`` stay.
+    """
+    before = [v for foot in stance.feet[:leg] for v in foot]
+    behind = [v for foot in stance.feet[leg + 1 :] for v in foot]
+    flat: list[float] = []
+    for time, body, foot in knots:
+        flat += (time, *body, *before, *foot, *behind)
+    count = len(knots)
+    table = np.array(flat).reshape(count, -1)
+    feet = table[:, 5:].reshape(count, len(stance.feet), 3)
+    return plan_from_knots((leg,), table[:, 0], table[:, 1:5], feet, tuple(phases), end, **facts)
+
+
+def body_still_plan(
+    stance: Stance,
+    leg: int,
+    corners: Sequence[Point],
+    seconds: Sequence[float],
+    phases: Sequence[Phase],
+    landing: Point,
+) -> StepPlan:
+    """The plan of one foot along ``corners`` (the first is where it is) while the body stays where
+    it is; ``seconds`` and a phase per stretch.
+
+    A stretch of no time is left out; where none is left, the plan is one tick of staying.
+    ``landing`` is where the foot is expected to stand at the end.
+    """
+    time = 0.0
+    knots: list[FootKnot] = [(time, stance.body, corners[0])]
+    kept: list[Phase] = []
+    for corner, duration, phase in zip(corners[1:], seconds, phases, strict=True):
+        if duration > 0.0:
+            time += duration
+            knots.append((time, stance.body, corner))
+            kept.append(phase)
+    if not kept:
+        knots.append((TICK, stance.body, corners[0]))
+        kept.append(phases[0])
+    end = replace(stance, feet=with_foot(stance.feet, leg, landing))
+    return plan_of_one_foot(stance, leg, knots, kept, end, landing=landing)
+
+
+def plan_on_all_feet(
+    stance: Stance,
+    times: Sequence[float],
+    body: Sequence[Body],
+    end: Stance,
+    **facts: Unpack[StepFacts],
+) -> StepPlan:
+    """The plan of a body that goes through ``body`` at ``times`` while no foot moves; legs that
+    are in the air stay there.
+    """
+    phases = (Phase.SHIFT,) * (len(times) - 1)
+    feet = [stance.feet] * len(times)
+    return plan_from_knots(stance.lifted, times, body, feet, phases, end, **facts)
+
+
+def holding_plan(stance: Stance, **facts: Unpack[StepFacts]) -> StepPlan:
+    """The plan that stands where it stands for one tick, when nothing is to move."""
+    return plan_on_all_feet(stance, (0.0, TICK), (stance.body, stance.body), stance, **facts)
+
+
+def changed(
+    plan: StepPlan,
+    *,
+    body: Array | None = None,
+    feet: Array | None = None,
+    end: Stance | None = None,
+    **facts: Unpack[StepFacts],
+) -> StepPlan:
+    """A copy of a plan with another ``body`` or ``feet`` table, another ``end`` or other facts."""
+    return replace(
+        plan,
+        body=plan.body if body is None else body,
+        feet=plan.feet if feet is None else feet,
+        end=plan.end if end is None else end,
+        **facts,
+    )
+
+
+def with_foot(feet: Feet, leg: int, foot: Point) -> Feet:
+    """The feet with that of ``leg`` somewhere else."""
+    return (*feet[:leg], foot, *feet[leg + 1 :])
