@@ -1,16 +1,53 @@
-"""``Snapshot``: the world at one instant, all a viewer may see."""
+"""``Snapshot``: the world at one instant, all a viewer may see.
+
+Every field also says here, and nowhere else, how it leaves the program (``Sent``): frames, their
+conversion and the API's description are made from this one list.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from walking_console.planner.robot.model import Machine
 from walking_console.planner.types import Command, GaitPreview, Mode, Point, StepPlan
+
+
+@dataclass(frozen=True, slots=True)
+class Sent:
+    """How a field goes out to pages and scripts.
+
+    A field without a ``Sent`` goes out under its own name. ``key`` is the name with the unit in it
+    (``_m``, ``_m_s``, ``_rad``, ``_s``), ``meaning`` what a reader of the API is told, ``example``
+    a value as it looks outside. ``parts`` spreads a record over keys of their own. ``may_lack``:
+    there are moments without a finite value, which go out as null. ``inside``: it does not go out
+    like this; it is drawn, or has a frame of its own.
+    """
+
+    key: str = ""
+    meaning: str = ""
+    example: Any = None
+    parts: Mapping[str, Sent] = field(default_factory=dict)
+    may_lack: bool = False
+    inside: bool = False
+
+
+INSIDE = Sent(inside=True)
+COMMANDED = Sent(
+    parts={
+        "crab_angle": Sent("crab_angle_rad", example=0.0),
+        "speed": Sent("speed_m_s", "commanded", 0.1),
+        "turn_rate": Sent("turn_rate_rad_s", example=0.0),
+    }
+)
+FEET_SHOWN = [[1.7, 0.5, 0.0], [0.8, 0.5, 0.0], [0.8, -0.5, 0.0], [1.7, -0.5, 0.05]]
+THREE_OF_FOUR = [True, True, True, False]
+POSTURE_MEANING = "in it, or being taken to it: stand, sit or standard"
+ATTITUDE_MEANING = "of the body: level, or ground when it is to follow it"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,39 +67,51 @@ class TerrainView:
 class Snapshot:
     """One instant. Absolute frame; SI units; legs in machine order."""
 
-    tick: int
-    time: float  # s of simulated time
-    machine: Machine
-    scenario: str
-    planner: str  # crab | trace
-    planner_mode: str  # paper | predictive
-    body: tuple[float, float, float, float, float, float]  # x, y, z, roll, pitch, yaw
-    feet: tuple[Point, ...]  # foot tips
-    contact: tuple[bool, ...]  # sole sensors
-    support: tuple[bool, ...]  # legs meant to carry
-    mode: Mode
-    reason: str  # why it is blocked, tipping or fallen; "" otherwise
-    command: Command
-    speed: float  # m/s, what is walked now
-    speed_max: float  # m/s, v_max of the running step; 0 when none runs
-    margin: float  # longitudinal, m
-    polygon_margin: float  # m
-    energy_margin: float  # m
-    step: int  # steps begun
-    distance: float  # m walked along the commanded course
-    plan: StepPlan | None  # the running step
-    plan_time: float  # s into it
-    ready: StepPlan | None  # the step after it, once planned
-    terrain: TerrainView
-    flags: tuple[bool, bool, bool]  # F1, F2, F3 of H §9.3
-    whiskers: tuple[int, ...]
-    paused: bool
-    rate: float  # times real time
-    late: float  # s, worst lateness of the walking clock in the last second
-    attitude: str = "level"  # of the body: level, or ground when it is to follow it
-    posture: str = "stand"  # the posture it is in, or is being taken to: stand | sit | standard
-    course: float = 0.0  # s of the body on its trace, m (trace planner)
+    tick: Annotated[int, Sent(example=4211)]
+    time: Annotated[float, Sent("time_s", example=84.22)]  # s of simulated time
+    machine: Annotated[Machine, Sent("robot", example="titan3")]
+    scenario: Annotated[str, Sent(example="dem")]
+    planner: Annotated[str, Sent(example="crab")]
+    planner_mode: Annotated[str, Sent(example="paper")]
+    # x, y, z, roll, pitch, yaw
+    body: Annotated[
+        tuple[float, float, float, float, float, float],
+        Sent("", "x, y, z in m, roll, pitch, yaw in rad", [1.2, 0.0, 0.85, 0.0, 0.0, 0.0]),
+    ]
+    # foot tips
+    feet: Annotated[tuple[Point, ...], Sent("", "foot tips, absolute, m", FEET_SHOWN)]
+    contact: Annotated[tuple[bool, ...], Sent(example=THREE_OF_FOUR)]  # sole sensors
+    support: Annotated[tuple[bool, ...], Sent(example=THREE_OF_FOUR)]  # legs meant to carry
+    mode: Annotated[Mode, Sent(example="return")]
+    reason: Annotated[str, Sent(example="")]  # why blocked, tipping or fallen; "" otherwise
+    command: Annotated[Command, COMMANDED]
+    speed: Annotated[float, Sent("walked_m_s", example=0.1)]  # m/s, what is walked now
+    # m/s, v_max of the running step; 0 when none runs
+    speed_max: Annotated[float, Sent("speed_max_m_s", example=0.15)]
+    margin: Annotated[float, Sent("margin_m", "longitudinal", 0.05, may_lack=True)]
+    polygon_margin: Annotated[float, Sent("polygon_margin_m", example=0.04, may_lack=True)]
+    energy_margin: Annotated[float, Sent("energy_margin_m", example=0.02, may_lack=True)]
+    step: Annotated[int, Sent(example=12)]  # steps begun
+    distance: Annotated[float, Sent("distance_m", example=1.2)]  # along the commanded course
+    # the running step
+    plan: Annotated[StepPlan | None, Sent("swing", "legs in the air, from 1", [4])]
+    plan_time: Annotated[float, INSIDE]  # s into it
+    ready: Annotated[StepPlan | None, INSIDE]  # the step after it, once planned
+    terrain: Annotated[TerrainView, INSIDE]
+    flags: Annotated[
+        tuple[bool, bool, bool], Sent("", "F1, F2, F3 of H §9.3", [True, False, False])
+    ]
+    whiskers: Annotated[tuple[int, ...], INSIDE]
+    paused: Annotated[bool, Sent(example=False)]
+    rate: Annotated[float, Sent("", "times real time", 1.0)]
+    late: Annotated[float, Sent("late_s", "worst of the last second", 0.0004)]
+    attitude: Annotated[str, Sent("", ATTITUDE_MEANING, "level")] = "level"
+    posture: Annotated[str, Sent("", POSTURE_MEANING, "stand")] = "stand"
+    # s of the body on its trace, m
+    course: Annotated[
+        float, Sent("course_m", "s of the body on its trace (trace planner)", 0.0)
+    ] = 0.0
     # what the trace walker foresees; the same object until it foresees something else
-    ahead: GaitPreview | None = None
+    ahead: Annotated[GaitPreview | None, INSIDE] = None
     # why the running step, or why there is none, where the console keeps it
-    decision: Mapping[str, Any] | None = None
+    decision: Annotated[Mapping[str, Any] | None, INSIDE] = None

@@ -9,7 +9,6 @@ scenario) goes to a worker thread, a run to a child process, and the walk has a 
 from __future__ import annotations
 
 import asyncio
-import json
 import math
 import secrets
 import time
@@ -27,6 +26,7 @@ from fastapi import FastAPI, HTTPException, Query, Request, WebSocket
 from fastapi import Path as PathPart
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import FileResponse, HTMLResponse, JSONResponse, RedirectResponse, Response
+from pydantic import BaseModel
 from starlette.exceptions import HTTPException as StarletteHTTPException
 from starlette.websockets import WebSocketDisconnect
 
@@ -48,23 +48,20 @@ from walking_console.sim.terrain.ground import GroundError
 
 from .. import schemas
 from ..control_lease import DEAD_MAN, SIT_AFTER, Operator, Seat, TooFast
+from ..explanation_frames import AheadFrame, DecisionFrame, ahead_frame, decision_frame
+from ..frames import (
+    HelloFrame,
+    LeaseFrame,
+    RefusedFrame,
+    SnapshotFrame,
+    as_text,
+    number,
+    snapshot_frame,
+)
 from ..realtime_loop import WalkingClock
 from ..request_guard import COOKIE, Door, problem
 from ..run_jobs import FILES, RunRefused, Runs
-from ..schemas import (
-    AheadFrame,
-    BadFrame,
-    DecisionFrame,
-    HelloFrame,
-    LeaseFrame,
-    Problem,
-    RefusedFrame,
-    SnapshotFrame,
-    ahead_frame,
-    decision_frame,
-    read_frame,
-    snapshot_frame,
-)
+from ..schemas import BadFrame, Problem, read_frame
 from ..viser_bridge import Canvas, clean_query
 
 FRAME_MAX = 4096  # bytes of one frame on /drive
@@ -74,6 +71,14 @@ SEND_TIME = 5.0  # s a page may take for one snapshot before it is cut
 ADVANCE_TIME = 20.0  # s
 DRAW_TIME = 120.0  # s to draw a run's replay.html
 LOADS_AT_ONCE = 1
+OUTGOING: tuple[type[BaseModel], ...] = (
+    HelloFrame,
+    LeaseFrame,
+    RefusedFrame,
+    SnapshotFrame,
+    AheadFrame,
+    DecisionFrame,
+)
 PAGE_FILES = {
     ".html",
     ".js",
@@ -138,10 +143,6 @@ class Refusal(HTTPException):
 
 def fault(name: str, value: Any, limit: Any, message: str) -> list[dict[str, Any]]:
     return [{"field": name, "value": value, "limit": limit, "message": message}]
-
-
-def as_text(frame: dict[str, Any] | None) -> str:
-    return json.dumps(frame, separators=(",", ":"))
 
 
 class Pulse:
@@ -315,12 +316,12 @@ def _add_lists(app: FastAPI, desk: Desk) -> None:
             "uptime_s": round(time.monotonic() - desk.started, 3),
             "ok": not clock.fault and not clock.stalled,
             "tick_late_s": {
-                "last_second": schemas.number(clock.late),
-                "worst": schemas.number(clock.worst),
+                "last_second": number(clock.late),
+                "worst": number(clock.worst),
             },
             "beats": clock.beats,
             "beats_skipped": clock.skipped,
-            "beat_age_s": schemas.number(clock.beat_age),
+            "beat_age_s": number(clock.beat_age),
             "stalled": clock.stalled,
             "fault": clock.fault.strip().rsplit("\n", 1)[-1],
             "paused": clock.paused,
@@ -405,14 +406,16 @@ def _add_console(app: FastAPI, desk: Desk) -> None:
         return JSONResponse(desk.frame())
 
     @app.get("/api/v1/console/ahead", tags=tags, response_model=AheadFrame | None)
-    async def ahead() -> JSONResponse:
+    async def ahead() -> AheadFrame | None:
         """What a trace walker foresees; null for any other."""
-        return JSONResponse(ahead_frame(clock.newest))
+        return ahead_frame(clock.newest)
 
     @app.get("/api/v1/console/decision", tags=tags, response_model=DecisionFrame | None)
-    async def decision() -> JSONResponse:
-        """Why the running step, or why there is none; null while it stands and nothing was refused."""
-        return JSONResponse(decision_frame(clock.newest))
+    async def decision() -> DecisionFrame | None:
+        """Why the running step, or why there is none; null while it stands and nothing was
+        refused.
+        """
+        return decision_frame(clock.newest)
 
     @app.put("/api/v1/console/command", tags=tags, status_code=202)
     async def command(body: schemas.CommandBody) -> dict[str, Any]:
@@ -752,10 +755,14 @@ def _add_sockets(app: FastAPI, desk: Desk) -> None:
                     newest = clock.newest
                     if newest.ahead is not foreseen:
                         foreseen = newest.ahead
-                        await sent(socket, as_text(ahead_frame(newest) or {"type": "ahead"}))
+                        foreseen_now = ahead_frame(newest)
+                        gone = as_text({"type": "ahead"})
+                        await sent(socket, foreseen_now.model_dump_json() if foreseen_now else gone)
                     if newest.decision is not None and newest.decision is not decided:
                         decided = newest.decision
-                        await sent(socket, as_text(decision_frame(newest)))
+                        why = decision_frame(newest)
+                        assert why is not None
+                        await sent(socket, why.model_dump_json())
                 await asyncio.sleep(1.0 / SHOW_RATE)
                 if desk.text() is shown and told == operator.revision and not refused:
                     await desk.pulse.wait()
@@ -881,13 +888,13 @@ def _describe_frames(app: FastAPI) -> None:
         if app.openapi_schema is None:
             schema = plain()
             known = schema.setdefault("components", {}).setdefault("schemas", {})
-            for shape in (*schemas.FRAMES.values(), *schemas.OUTGOING):
+            for shape in (*schemas.FRAMES.values(), *OUTGOING):
                 known[shape.__name__] = shape.model_json_schema(
                     ref_template="#/components/schemas/{model}"
                 )
             up, down = (
                 [s.__name__ for s in schemas.FRAMES.values()],
-                [s.__name__ for s in schemas.OUTGOING],
+                [s.__name__ for s in OUTGOING],
             )
             schema["x-websockets"] = {"/drive": {"client-to-server": up, "server-to-client": down}}
         return app.openapi_schema or plain()

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-from walking_console.server import schemas
+from walking_console.server import explanation_frames, frames, schemas
 from walking_console.server.api.app import Settings, create_app
 from walking_console.server.realtime_loop import WalkingClock
 from walking_console.server.request_guard import BODY_MAX
@@ -489,7 +489,10 @@ def test_every_body_and_frame_has_an_example(client: TestClient) -> None:
 
 def test_every_example_is_accepted_by_its_own_shape(client: TestClient) -> None:
     for name, shape in client.get("/openapi.json").json()["components"]["schemas"].items():
-        model = getattr(schemas, name, None)
+        model = next(
+            (getattr(m, name) for m in (schemas, frames, explanation_frames) if hasattr(m, name)),
+            None,
+        )
         for example in shape.get("examples", ()):
             assert model is not None and model.model_validate(example)
 

@@ -7,15 +7,9 @@ from fastapi.testclient import TestClient
 
 from walking_console.planner.types import Command
 from walking_console.server.api.app import Settings, create_app
+from walking_console.server.explanation_frames import CANDIDATES_SHOWN, ahead_frame, decision_frame
 from walking_console.server.realtime_loop import WalkingClock
-from walking_console.server.schemas import (
-    CANDIDATES_SHOWN,
-    AheadFrame,
-    DecisionFrame,
-    ahead_frame,
-    decision_frame,
-    painted,
-)
+from walking_console.server.schemas import painted
 from walking_console.sim.scenario import load_scenario, scenario_from
 from walking_console.sim.simulation import Simulation, prepare
 
@@ -51,9 +45,8 @@ def test_a_crab_step_says_who_was_tried_and_where_it_searched(mode: str) -> None
         Command(0.0, 0.1),
         300,
     )
-    frame = decision_frame(console.snapshot())
-    assert frame is not None
-    told = DecisionFrame.model_validate(frame)
+    told = decision_frame(console.snapshot())
+    assert told is not None
     assert told.leg in (1, 2, 3, 4) and told.legs and told.domain_m and told.landing_m
     assert bool(told.search) == (mode == "predictive") and len(told.candidates) <= CANDIDATES_SHOWN
     xs, ys = zip(*told.domain_m, strict=True)
@@ -61,7 +54,7 @@ def test_a_crab_step_says_who_was_tried_and_where_it_searched(mode: str) -> None
         min(xs) - 0.03 <= told.landing_m[0] <= max(xs) + 0.03
         and min(ys) - 0.03 <= told.landing_m[1] <= max(ys) + 0.03
     )
-    json.dumps(frame, allow_nan=False)
+    json.dumps(told.model_dump(), allow_nan=False)
 
 
 @pytest.mark.parametrize("turn_rate", [0.1, -0.1])
@@ -69,11 +62,10 @@ def test_a_turning_step_says_what_was_weighed(turn_rate: float) -> None:
     console = walked(
         Simulation(prepare(load_scenario("flat")), explain=True), Command(0.0, 0.08, turn_rate), 200
     )
-    frame = decision_frame(console.snapshot())
-    assert frame is not None
-    told = DecisionFrame.model_validate(frame)
+    told = decision_frame(console.snapshot())
+    assert told is not None
     assert told.search == "turn" and told.candidates and len(told.legs) == 4
-    json.dumps(frame, allow_nan=False)
+    json.dumps(told.model_dump(), allow_nan=False)
 
 
 def test_a_walker_that_cannot_step_says_why_of_every_leg() -> None:
@@ -86,8 +78,8 @@ def test_a_walker_that_cannot_step_says_why_of_every_leg() -> None:
         if console.snapshot().mode.name == "BLOCKED":
             break
     frame = decision_frame(console.snapshot())
-    assert frame is not None and frame["shift_m"] is None
-    assert all(trial["reason"] for trial in frame["legs"]) and frame["legs"]
+    assert frame is not None and frame.shift_m is None
+    assert all(trial["reason"] for trial in frame.legs) and frame.legs
 
 
 def test_a_console_that_keeps_no_reasons_has_none() -> None:
@@ -101,15 +93,14 @@ def test_a_console_that_keeps_no_reasons_has_none() -> None:
 
 def test_a_trace_walker_tells_what_it_foresees_in_a_few_kilobytes() -> None:
     console = hexapod()
-    frame = ahead_frame(console.snapshot())
-    assert frame is not None
-    told = AheadFrame.model_validate(frame)
+    told = ahead_frame(console.snapshot())
+    assert told is not None
     assert (
         told.complete and len(told.segments_m) == 6 and told.reached_m > console.snapshot().course
     )
-    assert len(json.dumps(frame, allow_nan=False)) < 16_000
+    assert len(json.dumps(told.model_dump(), allow_nan=False)) < 16_000
     decided = decision_frame(console.snapshot())
-    assert decided is not None and "states met" in DecisionFrame.model_validate(decided).notes[0]
+    assert decided is not None and "states met" in decided.notes[0]
 
 
 def test_pages_and_rest_are_told_once_for_every_change() -> None:
