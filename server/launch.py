@@ -24,8 +24,9 @@ import uvicorn
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
 from walking_console.sim.scenario import load_scenario
-from walking_console.sim.simulation import Simulation, prepare
+from walking_console.sim.simulation import Simulation
 from walking_console.sim.snapshot import Snapshot
+from walking_console.sim.world import prepare
 from walking_console.web.scene.scene import Scene
 
 from .api.app import Refusal, Settings, create_app, edit_under

@@ -24,8 +24,10 @@ from typing import NamedTuple
 
 from walking_console.planner.control.supervisor import DT
 from walking_console.planner.types import Command
-from walking_console.sim.simulation import Halt, Load, Pose, Request, Reset, Simulation, World
+from walking_console.sim.requests import Halt, Load, Request, Reset, TakePosture
+from walking_console.sim.simulation import Simulation
 from walking_console.sim.snapshot import Snapshot
+from walking_console.sim.world import World
 
 HOLD = Command()
 RATE_MAX = 8  # times real time; more starves the pages on two cores
@@ -162,7 +164,7 @@ class WalkingClock:
         """Hold, and then take a posture."""
         if not self._ending:
             self.order(HOLD)
-            self.request(Pose(posture))
+            self.request(TakePosture(posture))
 
     def sit_down_at(self, at: float) -> None:
         """Sit down at this time of ``now`` unless another is given before; ``inf``: do not."""
@@ -267,7 +269,7 @@ class WalkingClock:
         try:
             if not self.fault:
                 for _ in range(ticks):
-                    self.console.tick()
+                    self.console.step()
                 if not ticks:
                     self._serve_while_paused()
                 self._publish(now, ticks)
@@ -315,7 +317,7 @@ class WalkingClock:
 
     def _serve_while_paused(self) -> None:
         """A reset or an edit shows at once, though no tick runs."""
-        self.console.drain()
+        self.console.serve_requests()
 
     def _publish_due(self, ticks: int) -> bool:
         due = ticks > 0 or self._changed or self.beats % IDLE_BEATS == 0

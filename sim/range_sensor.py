@@ -70,8 +70,8 @@ class EyeSettings(BaseModel):
     every: int = Field(default=15, ge=1, le=1000, description="ticks from one look to the next")
 
 
-class Sight(NamedTuple):
-    """What one look has found: one entry a cell, no cell twice.
+class Scan(NamedTuple):
+    """What one scan has found: one entry a cell, no cell twice.
 
     ``heights`` are NaN where the look went into a hole without finding ground. ``sides`` marks
     cells of which only a side was seen: their ground is at least as high.
@@ -137,8 +137,8 @@ class RangeSensor:
         px, pz = cp * px + sp * pz, cp * pz - sp * px
         return x + cy * px - sy * py, y + sy * px + cy * py, z + pz
 
-    def look(self, body: Sequence[float], direction: float = 0.0) -> Sight:
-        """One look from the body's pose (x, y, z, roll, pitch, yaw); ``direction`` is the course in
+    def scan(self, body: Sequence[float], direction: float = 0.0) -> Scan:
+        """One scan from the body's pose (x, y, z, roll, pitch, yaw); ``direction`` is the course in
         body axes, rad.
         """
         settings = self.settings
@@ -155,7 +155,7 @@ class RangeSensor:
         if settings.noise > 0.0:
             heights = heights + self.rng.normal(0.0, settings.noise, flat.size)
         rows, columns = np.divmod(flat, self.ground.columns)
-        return Sight(rows, columns, heights, sides)
+        return Scan(rows, columns, heights, sides)
 
     def _lowest(self, body: Sequence[float], bearings: Array) -> Array:
         """Elevation of the lowest ray of every bearing, rad, on the tilted body (small tilts)."""

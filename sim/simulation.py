@@ -1,9 +1,8 @@
-"""``Simulation``: owns the plant, the walk, the belief and the command. No clock, no sockets.
+"""``Simulation``: a machine, its planner and its ground, stepped together. No clock, no sockets.
 
-The same object serves the browser, REST, the command line and the tests: ``order`` leaves a command
-in the mailbox (the newest wins), ``request`` leaves a request that the next tick drains first,
-``tick`` moves the world by 20 ms, ``snapshot`` shows it. Commands may expire: then the machine
-holds.
+The same object serves the browser, REST, the command line, notebooks and the tests: ``drive``
+leaves a command (the newest wins), ``request`` leaves what the next step serves first, ``step``
+moves the world by 20 ms, ``snapshot`` shows it.
 """
 
 from __future__ import annotations
@@ -11,244 +10,85 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from walking_console.planner import registry, stability
 from walking_console.planner.control.foot_controller import Gains
-from walking_console.planner.control.supervisor import (
-    DT,
-    GaitSupervisor,
-    Think,
-    Thinking,
-    feet_absolute,
-)
-from walking_console.planner.geometry.paths import SampledPath
-from walking_console.planner.initial_stance import stance_on
+from walking_console.planner.control.supervisor import GaitSupervisor, Think, Thinking
+from walking_console.planner.geometry.transforms import direction
 from walking_console.planner.navigation.local_planner import RouteState, plan_route
-from walking_console.planner.robot.model import Machine, load_machine
-from walking_console.planner.terrain.map import TerrainMap, classify, classify_again
-from walking_console.planner.terrain.mapping import ElevationMapper
+from walking_console.planner.robot.model import Machine
+from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.types import (
+    TICK,
     Blocked,
     Command,
-    Gait,
     GaitPreview,
     Mode,
-    Sensing,
     Stance,
     StepPlan,
 )
-from walking_console.sim.kinematic.plant import KinematicPlant, Noise
-from walking_console.sim.range_sensor import RangeSensor
-from walking_console.sim.scenario import Scenario, ScenarioError
-from walking_console.sim.snapshot import Snapshot, TerrainView
-from walking_console.sim.terrain.ground import HEIGHT_MAX, Ground, make_ground
+
+from .kinematic.plant import KinematicPlant, Noise
+from .observation import take_snapshot
+from .perception import Perception
+from .requests import Edit, Follow, Halt, Load, Push, Request, Reset, TakePosture
+from .scenario import Scenario
+from .snapshot import Snapshot
+from .world import World, first_crab_angle, prepare
 
 HOLD = Command()
-EDITS = ("dig", "raise", "forbid", "clear")
-EDIT_CELLS_MAX = 40_000  # cells one terrain edit may change
 COURSES_MAX = 3  # courses Level B1 may offer for one step before the walk is called blocked
-# rad; before it sets out the eye has looked everywhere
-LOOK_ROUND = (0.0, 2 * math.pi / 3, -2 * math.pi / 3)
-# m around the start: ground the machine was set down on, known whatever the eye sees
-SET_DOWN = 1.2
-
-
-@dataclass(frozen=True)
-class World:
-    """Everything slow, made outside the walking thread: ground, machine, belief, start posture."""
-
-    scenario: Scenario
-    machine: Machine
-    gait: Gait
-    ground: Ground
-    belief: TerrainMap
-    forbidden: NDArray[np.bool_]  # true ground, for this machine
-    stance: Stance
-    course: SampledPath | None = None  # a trace walker's given trace
-
-
-def prepare(scenario: Scenario, machine: Machine | None = None) -> World:
-    """Make a scenario's world; raises ``MachineError``, ``GroundError`` or ``ScenarioError`` with
-    one clear line.
-    """
-    machine = machine or load_machine(scenario.robot, scenario.base)
-    gait = scenario.gait_for(machine)
-    start = scenario.start_pose
-    course = given_trace(scenario, machine)
-    posture = stance_at_start(scenario, machine, gait, lambda x, y: 0.0)
-    ground = make_ground(
-        scenario.terrain,
-        machine,
-        start,
-        scenario.seed,
-        scenario.span(machine),
-        scenario.base,
-        stand=[foot[:2] for foot in posture.feet],
-    )
-    forbidden = true_forbidden(ground, machine)
-    belief = TerrainMap(ground.heights, forbidden, ground.cell, ground.origin, machine.foot_radius)
-    stance = stance_at_start(scenario, machine, gait, ground.height_at)
-    return World(scenario, machine, gait, ground, belief, forbidden, stance, course)
-
-
-def given_trace(scenario: Scenario, machine: Machine) -> SampledPath | None:
-    """The scenario's trace, sampled; None without one. Raises ``ScenarioError``."""
-    if scenario.trace is None:
-        return None
-    try:
-        return registry.drawn_trace(scenario.trace.model_dump(), machine, scenario.start_pose)
-    except registry.PlannerError as error:
-        raise ScenarioError(f"trace: {error}") from None
-
-
-def stance_at_start(
-    scenario: Scenario, machine: Machine, gait: Gait, height_at: Callable[[float, float], float]
-) -> Stance:
-    """The posture a scenario begins in: that of its planner, or its own feet. Raises
-    ``ScenarioError``.
-    """
-    if scenario.start.feet is None:
-        course, pose = first_crab_angle(scenario), scenario.start_pose
-        return registry.start_stance(
-            scenario.planner, machine, gait, course, pose, height_at, scenario.mode
-        )
-    try:
-        return stance_on(machine, gait, scenario.start.feet, *scenario.start_pose, height_at)
-    except ValueError as error:
-        raise ScenarioError(f"start.feet: {error}") from None
-
-
-def first_crab_angle(scenario: Scenario) -> float:
-    """α of the first command: the standard posture is that of the first course (0 with no command
-    yet).
-    """
-    return math.radians(scenario.drive[0].crab_angle_deg) if scenario.drive else 0.0
-
-
-def true_forbidden(ground: Ground, machine: Machine) -> NDArray[np.bool_]:
-    """Where this machine must not step on the true ground; on ``final`` ground exactly the holes."""
-    return (
-        np.isnan(ground.heights) if ground.final else classify(ground.heights, ground.cell, machine)
-    )
-
-
-@dataclass(frozen=True)
-class Reset:
-    """Back to the start of the scenario."""
-
-
-@dataclass(frozen=True)
-class Load:
-    """Another world, made by ``prepare``."""
-
-    world: World
-
-
-@dataclass(frozen=True)
-class Edit:
-    """Change cells of the true ground and of the belief: dig, raise (by ``amount`` m), forbid or
-    clear.
-    """
-
-    action: str  # dig | raise | forbid | clear
-    cells: tuple[tuple[int, int], ...]  # (row, column)
-    amount: float = 0.0
-
-
-@dataclass(frozen=True)
-class Push:
-    """A horizontal force on the torso, N, for a number of ticks."""
-
-    fx: float
-    fy: float
-    ticks: int = 1
-
-
-@dataclass(frozen=True)
-class Pose:
-    """Take a posture: sit, stand, or standard (its feet in the layout of the last course). The
-    machine stops first.
-    """
-
-    posture: str
-
-
-@dataclass(frozen=True)
-class Halt:
-    """Stop in whatever posture it is being taken to; a walking machine holds by its command."""
-
-
-@dataclass(frozen=True)
-class Follow:
-    """Keep the body level, or let it follow the ground as far as strides allow, from the next step
-    planned on.
-    """
-
-    attitude: str  # level | ground
-
-
-Request = Reset | Load | Edit | Push | Pose | Halt | Follow
 
 
 class Simulation:
-    """The walking console without a clock: one ``tick`` is 20 ms of simulated time."""
+    """One machine walking in one world; a step is 20 ms of simulated time.
 
-    def __init__(self, world: World, *, explain: bool = False) -> None:
+    ``scenario_or_world`` is a ``Scenario``, or the ``World`` that ``prepare`` made of one (making it
+    is slow; a world can be used again). ``explain`` fills the decision log of every step. Raises
+    what ``prepare`` raises.
+
+    Read freely, change only through the methods: ``plant`` (the machine), ``walk`` (its gait
+    supervisor), ``perception`` (the ground, and what is believed of it), ``command``,
+    ``tick_count``, ``distance`` (m walked along the commanded course) and ``refused`` (why the last
+    refused request was). ``on_input`` is called with the tick and every command or request served.
+    """
+
+    def __init__(self, scenario_or_world: Scenario | World, *, explain: bool = False) -> None:
+        given = scenario_or_world
         self.explain = explain
-        self.inbox: deque[Request] = deque()
-        self.refused = ""  # why the last refused request was refused
-        self.revision = 0
-        self._mailbox: tuple[Command, int | None] = (HOLD, None)
+        self.refused = ""
         self.on_input: Callable[[int, object], None] | None = None
-        self._set_up(world)
+        self._inbox: deque[Request] = deque()
+        self._set_up(prepare(given) if isinstance(given, Scenario) else given)
 
-    def _set_up(self, world: World) -> None:
+    def _set_up(self, world: World, revision: int = 1) -> None:
         self.world = world
-        self.ground = world.ground
-        self.belief = world.belief
-        self.true_forbidden = world.forbidden
-        # cells an operator has forbidden, whatever their height
-        self.marked = np.zeros_like(world.forbidden)
-        wanted = world.scenario.noise
-        noise = None if wanted is None else Noise(wanted.position, wanted.posture)
-        self.plant = KinematicPlant(
-            world.machine,
-            world.ground,
-            world.stance,
-            noise=noise,
-            rng=np.random.default_rng(world.scenario.seed),
-        )
-        layout = partial(
-            registry.start_stance,
-            world.scenario.planner,
-            world.machine,
-            world.gait,
-            mode=world.scenario.mode,
-        )
-        course = first_crab_angle(world.scenario)
-        self.walk = GaitSupervisor(
-            world.machine,
-            world.gait,
+        self.plant = _plant_in(world)
+        self.walk = self._supervisor(world)
+        self.perception = Perception(world, self.plant.body, revision)
+        self.command = HOLD
+        self.route = RouteState()
+        self._mailbox: tuple[Command, int | None] = (HOLD, None)  # and the tick it lapses at
+        self.tick_count = 0
+        self.distance = 0.0
+        self._preview: tuple[tuple[object, ...], GaitPreview | None] = ((), None)
+
+    def _supervisor(self, world: World) -> GaitSupervisor:
+        scenario, machine, gait = world.scenario, world.machine, world.gait
+        layout = partial(registry.start_stance, scenario.planner, machine, gait, mode=scenario.mode)
+        return GaitSupervisor(
+            machine,
+            gait,
             world.stance,
             self._thinker(world),
             Gains(),
             layout=layout,
-            crab_angle=course,
+            crab_angle=first_crab_angle(scenario),
         )
-        self.command = HOLD
-        self.route = RouteState()
-        self._mailbox = (HOLD, None)
-        self.tick_count = 0
-        self.distance = 0.0
-        self.revision += 1
-        self._drawn_terrain: TerrainView | None = None
-        self._foreseen: tuple[tuple[object, ...], GaitPreview | None] = ((), None)
-        self._begin_to_know(world)
 
     def _thinker(self, world: World) -> Think:
         scenario = world.scenario
@@ -286,100 +126,43 @@ class Simulation:
         self.route, answer = replace(first[0], speed_limit=math.inf), first[1]
         return answer
 
-    # what it knows of the ground
+    # -- what anybody may leave for the next step
 
-    def _begin_to_know(self, world: World) -> None:
-        """With ``sensing = "known"`` the map is the truth; else it begins with the ground the
-        machine was set down on.
+    def drive(
+        self,
+        crab_angle: float = 0.0,
+        speed: float = 0.0,
+        turn_rate: float = 0.0,
+        ttl_ticks: int | None = None,
+    ) -> None:
+        """Walk from the next step on: towards ``crab_angle`` (rad, from straight ahead, positive to
+        the left) at ``speed`` (m/s), turning by ``turn_rate`` (rad/s).
+
+        The newest command wins. After ``ttl_ticks`` steps without another the machine holds; None
+        is never. ``drive()`` holds at once.
         """
-        self.memory: ElevationMapper | None = None
-        self.eye: RangeSensor | None = None
-        self._steps_known = -1
-        scenario, ground = world.scenario, world.ground
-        if scenario.sensing == "known":
-            return
-        level = sum(foot[2] for foot in world.stance.feet) / len(world.stance.feet)
-        shape, machine = ground.heights.shape, world.machine
-        self.memory = ElevationMapper(
-            (shape[0], shape[1]),
-            ground.cell,
-            ground.origin,
-            machine,
-            unknown=scenario.unknown,
-            final=ground.final,
-            level=level,
-        )
-        self.memory.touch(world.stance.feet)
-        if scenario.sensing == "eye":
-            self.eye = RangeSensor(
-                machine, ground, np.random.default_rng([scenario.seed, 9]), scenario.eye
-            )
-            self.memory.see(*disc(ground, world.stance.body[0], world.stance.body[1], SET_DOWN))
-            for direction in LOOK_ROUND:
-                self.memory.see(*self.eye.look(self.plant.body, direction))
-        self._believe(self.memory.publish())
-
-    def _perceive(self, memory: ElevationMapper, sensing: Sensing) -> None:
-        """What the feet touch and the eye sees goes into the memory; planning gets a new map at
-        step switches and at rest.
-
-        Never in the middle of a thought from standing: it would begin anew at every look.
-        """
-        eye, walk = self.eye, self.walk
-        looks = eye is not None and self.tick_count % eye.settings.every == 0
-        if eye is not None and looks:
-            memory.see(*eye.look(self.plant.body, self.command.crab_angle))
-        if walk.steps_begun != self._steps_known:
-            self._steps_known = walk.steps_begun
-            standing = [
-                foot
-                for foot, sole in zip(feet_absolute(sensing), sensing.soles, strict=True)
-                if sole
-            ]
-            memory.touch(standing)
-            if standing:
-                memory.suppose(standing)
-        elif not (
-            looks and walk.kind == "stand" and (walk.blocked is not None or self.command.holds)
-        ):
-            return
-        believed = memory.publish()
-        if believed is not self.belief:
-            self._believe(believed)
-
-    # what anybody may leave for the next tick
+        self.order(Command(crab_angle, speed, turn_rate), ttl_ticks)
 
     def order(self, command: Command, ttl_ticks: int | None = None) -> None:
-        """The newest command wins; after ``ttl_ticks`` ticks without another the machine holds."""
+        """``drive`` with a ``Command``."""
         self._mailbox = (command, None if ttl_ticks is None else self.tick_count + ttl_ticks)
 
     def request(self, request: Request) -> None:
-        """Any thread; drained first in the next tick, in order."""
-        self.inbox.append(request)
+        """Leave a request for the next step, from any thread; they are served in order."""
+        self._inbox.append(request)
 
-    # the world moves
+    # -- the world moves
 
-    def drain(self) -> None:
-        """Serve what was requested. An edit that no longer fits the ground (another world came
-        first) is dropped whole, and said.
-        """
-        while self.inbox:
-            try:
-                self._serve(self.inbox.popleft())
-            except ValueError as refusal:
-                self.refused = str(refusal)
+    def run(self, seconds: float) -> None:
+        """Step through so many seconds of simulated time."""
+        for _ in range(round(seconds / TICK)):
+            self.step()
 
-    def tick(self) -> None:
-        """20 ms of the world: requests, command, Level B and C, plant."""
-        self.drain()
-        command, expires = self._mailbox
-        if expires is not None and self.tick_count >= expires:
-            command = HOLD
-        if command is not self.command and command != self.command:
-            if self.on_input is not None:
-                self.on_input(self.tick_count, command)
-            self.command = command
-        plant, walk = self.plant, self.walk
+    def step(self) -> None:
+        """20 ms of the world: requests, command, planner and supervisor, plant."""
+        self.serve_requests()
+        command = self._newest_command()
+        plant = self.plant
         if plant.state == "fallen":
             self.tick_count += 1
             return
@@ -388,21 +171,26 @@ class Simulation:
             self.route = RouteState()
         elif self.route.speed_limit < command.speed:
             command = replace(command, speed=self.route.speed_limit)
-        velocities = walk.advance(sensing, command, self.belief)
+        velocities = self.walk.advance(sensing, command, self.perception.belief)
         x, y = plant.body[0], plant.body[1]
         plant.move(velocities)
         if not command.holds:
             self._count_distance(plant.body[0] - x, plant.body[1] - y, command)
-        if walk.executed is not None:
-            learnt = walk.take_learnt()
-            if learnt and self.memory is None:
-                self._believe(self.belief.forbid(learnt))
-            elif learnt and self.memory is not None:
-                self.memory.learn(learnt)
-                self._believe(self.memory.publish())
-        if self.memory is not None:
-            self._perceive(self.memory, sensing)
+        if self.walk.executed is not None:
+            learnt = self.walk.take_learnt()
+            if learnt:
+                self.perception.learn(learnt)
+        self.perception.perceive(sensing, self.walk, plant.body, self.command, self.tick_count)
         self.tick_count += 1
+
+    def _newest_command(self) -> Command:
+        command, lapses = self._mailbox
+        if lapses is not None and self.tick_count >= lapses:
+            command = HOLD
+        if command is not self.command and command != self.command:
+            self._tell(self.tick_count, command)
+            self.command = command
+        return command
 
     def _count_distance(self, dx: float, dy: float, command: Command) -> None:
         """Planar path of the centre of gravity along the commanded direction; turning alone is no
@@ -413,85 +201,69 @@ class Simulation:
         if self.world.scenario.trace is not None:  # the commanded direction is the trace's own
             self.distance += math.hypot(dx, dy)
             return
-        heading = self.plant.body[5] + command.crab_angle
-        self.distance += dx * math.cos(heading) + dy * math.sin(heading)
+        c, s = direction(self.plant.body[5] + command.crab_angle)
+        self.distance += dx * c + dy * s
 
-    def _serve(self, request: Request) -> None:
-        if isinstance(request, Edit):
-            self._edit(request)  # raises before anything has changed
-        elif isinstance(request, Pose):
-            self._pose(request)
-        elif isinstance(request, Halt):
-            if not self.walk.posing:
-                return
-            self.walk.halt()
-        elif isinstance(request, Follow):
-            registry.take_attitude(self.walk.think, request.attitude)
+    # -- requests
+
+    def serve_requests(self) -> None:
+        """Serve what was requested; ``step`` does it first, a paused clock does it alone.
+
+        A request that cannot be served is dropped whole and ``refused`` says why: an edit, when
+        another world came first.
+        """
+        while self._inbox:
+            request = self._inbox.popleft()
+            tick = self.tick_count
+            try:
+                served = self._serve(request)
+            except ValueError as refusal:
+                self.refused = str(refusal)
+                continue
+            if served:
+                self._tell(tick, request)
+
+    def _tell(self, tick: int, given: object) -> None:
         if self.on_input is not None:
-            self.on_input(self.tick_count, request)
-        if isinstance(request, Reset):
-            self._set_up(self.world)
-        elif isinstance(request, Load):
-            self._set_up(request.world)
-        elif isinstance(request, Push):
-            self.plant.push(request.fx, request.fy, request.ticks)
+            self.on_input(tick, given)
 
-    def _pose(self, wanted: Pose) -> None:
+    def _serve(self, request: Request) -> bool:
+        """Do what is requested; False when there was nothing to do. Raises ``ValueError``."""
+        match request:
+            case Reset():
+                self._set_up(self.world, self.perception.revision + 1)
+            case Load(world):
+                self._set_up(world, self.perception.revision + 1)
+            case Edit():
+                self.perception.edit(request)
+                self.plant.replace_ground(self.perception.ground)
+            case Push(fx, fy, ticks):
+                self.plant.push(fx, fy, ticks)
+            case TakePosture(posture):
+                self._take_posture(posture)
+            case Follow(attitude):
+                registry.take_attitude(self.walk.think, attitude)
+            case Halt():
+                if not self.walk.posing:
+                    return False
+                self.walk.halt()
+        return True
+
+    def _take_posture(self, posture: str) -> None:
         """Refused with a reason, or taken from the next standstill on; the command it walks by ends
         here.
         """
-        why = self.reason if self.plant.state != "standing" else self.walk.pose(wanted.posture)
+        why = self.reason if self.plant.state != "standing" else self.walk.pose(posture)
         if why:
             raise ValueError(why)
         if not self._mailbox[0].holds:
             self._mailbox = (HOLD, None)
 
-    def _edit(self, edit: Edit) -> None:
-        heights = edited(self.ground.heights, edit)
-        rows, columns = (
-            np.array([cell[axis] for cell in edit.cells], dtype=np.intp) for axis in (0, 1)
-        )
-        if edit.action in ("forbid", "clear"):
-            self.marked = self.marked.copy()
-            self.marked[rows, columns] = edit.action == "forbid"
-        self.ground = replace(self.ground, heights=heights)
-        if self.ground.final:
-            forbidden = np.isnan(heights)
-        elif edit.cells:
-            forbidden = classify_again(
-                heights, self.true_forbidden, self.ground.cell, self.world.machine, edit.cells
-            )
-        else:
-            forbidden = self.true_forbidden
-        self.true_forbidden = forbidden | self.marked
-        self.plant.replace_ground(self.ground)
-        if self.memory is not None:
-            self._hear_of(edit, self.memory)
-            return
-        known = self.belief.forbidden & ~self.world.forbidden
-        known[rows, columns] = False
-        self._believe(replace(self.belief, heights=heights, forbidden=self.true_forbidden | known))
-
-    def _hear_of(self, edit: Edit, memory: ElevationMapper) -> None:
-        """The world has changed behind its back; only what is forbidden or cleared is told to it."""
-        if self.eye is not None:
-            self.eye.replace_ground(self.ground)
-        if edit.action == "forbid":
-            memory.learn(edit.cells)
-        elif edit.action == "clear":
-            memory.forget(edit.cells)
-        self._believe(memory.publish())
-
-    def _believe(self, belief: TerrainMap) -> None:
-        self.belief = belief
-        self._drawn_terrain = None
-        self.revision += 1
-
-    # what anybody may see
+    # -- what anybody may see
 
     @property
     def mode(self) -> Mode:
-        """What the walker is doing; the plant's own state comes first."""
+        """What the walker is doing; that it tips or has fallen comes first."""
         if self.plant.state == "fallen":
             return Mode.FALLEN
         if self.plant.state == "tipping":
@@ -512,122 +284,33 @@ class Simulation:
 
     def margins(self, carrying: Iterable[bool]) -> tuple[float, float]:
         """Longitudinal and polygon margin of the feet meant to carry, m."""
-        feet = self.plant.feet
-        polygon = stability.support_polygon(
-            [foot for foot, carries in zip(feet, carrying, strict=True) if carries]
-        )
-        x, y, heading = self.plant.body[0], self.plant.body[1], self.walk.heading
-        longitudinal = stability.longitudinal_margin(
-            polygon, x, y, math.cos(heading), math.sin(heading)
-        )
+        feet = zip(self.plant.feet, carrying, strict=True)
+        polygon = stability.support_polygon([foot for foot, carries in feet if carries])
+        x, y = self.plant.body[0], self.plant.body[1]
+        longitudinal = stability.longitudinal_margin(polygon, x, y, *direction(self.walk.heading))
         return longitudinal, stability.polygon_margin(polygon, x, y)
 
-    def terrain_view(self) -> TerrainView:
-        """The ground as viewers draw it; a new revision only when something changed."""
-        if self._drawn_terrain is None:
-            belief = self.belief
-            self._drawn_terrain = TerrainView(
-                self.revision, self.ground.heights, belief.forbidden, belief.cell, belief.origin
-            )
-        return self._drawn_terrain
-
-    def _ahead(self, running: StepPlan | None) -> GaitPreview | None:
-        """What a trace walker foresees; worked out again only when it foresees something else."""
+    def preview(self, running: StepPlan | None) -> GaitPreview | None:
+        """What the planner foresees from the last N_k on, None for one that does not; worked out
+        again only when it foresees something else.
+        """
         walk = self.walk
         key = (getattr(walk.think, "prediction", None), walk.stance, running)
-        if len(key) != len(self._foreseen[0]) or any(
-            a is not b for a, b in zip(key, self._foreseen[0], strict=True)
-        ):
-            self._foreseen = key, registry.foreseen(walk.think, walk.stance, running)
-        return self._foreseen[1]
+        known = self._preview[0]
+        if len(key) != len(known) or any(a is not b for a, b in zip(key, known, strict=True)):
+            self._preview = key, registry.foreseen(walk.think, walk.stance, running)
+        return self._preview[1]
 
     def snapshot(self, *, paused: bool = False, rate: float = 1.0, late: float = 0.0) -> Snapshot:
-        """The world at this instant; ``paused``, ``rate`` and ``late`` are the clock's to say."""
-        plant, walk, world = self.plant, self.walk, self.world
-        carrying = walk.carrying()
-        longitudinal, polygon = self.margins(carrying)
-        feet = tuple((f[0], f[1], f[2]) for f in plant.feet)
-        x, y, z, roll, pitch, yaw = plant.body
-        standing = [foot for foot, carries in zip(feet, carrying, strict=True) if carries]
-        stepping = walk.kind == "step"
-        running = walk.plan if stepping else None
-        return Snapshot(
-            tick=self.tick_count,
-            time=self.tick_count * DT,
-            machine=world.machine,
-            scenario=world.scenario.name,
-            planner=world.scenario.planner,
-            planner_mode=world.scenario.mode,
-            body=(x, y, z, roll, pitch, yaw),
-            feet=feet,
-            contact=tuple(plant.soles),
-            support=carrying,
-            mode=self.mode,
-            reason=self.reason,
-            command=self.command,
-            speed=walk.speed,
-            speed_max=walk.plan.speed_max if stepping else 0.0,
-            margin=longitudinal,
-            polygon_margin=polygon,
-            energy_margin=stability.energy_margin(standing, (x, y, z)),
-            step=walk.steps_begun,
-            distance=self.distance,
-            plan=walk.plan if walk.kind not in ("stand", "hover") else None,
-            plan_time=walk.t,
-            ready=walk.ready,
-            terrain=self.terrain_view(),
-            flags=walk.flags,
-            whiskers=tuple(plant.whiskers),
-            paused=paused,
-            rate=rate,
-            late=late,
-            course=registry.course_of(
-                walk.think, walk.stance, running, (x, y, z, yaw), world.machine.yaw_length
-            ),
-            ahead=self._ahead(running),
-            posture=walk.posture,
-            attitude=registry.attitude_of(walk.think),
-            decision=walk.blocked.decision
-            if walk.blocked is not None
-            else walk.plan.decision
-            if walk.kind != "stand"
-            else None,
-        )
+        """The world at this instant, frozen; ``paused``, ``rate`` (times real time) and ``late`` (s)
+        are for a clock to say.
+        """
+        return take_snapshot(self, paused=paused, rate=rate, late=late)
 
 
-def disc(
-    ground: Ground, x: float, y: float, radius: float
-) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.float64]]:
-    """Rows, columns and true heights of the cells around a point."""
-    dx = ground.origin[0] + (np.arange(ground.columns) + 0.5) * ground.cell - x
-    dy = ground.origin[1] + (np.arange(ground.rows) + 0.5) * ground.cell - y
-    rows, columns = np.nonzero(np.hypot(dx[None, :], dy[:, None]) <= radius)
-    return rows, columns, ground.heights[rows, columns]
-
-
-def edited(heights: NDArray[np.float64], edit: Edit) -> NDArray[np.float64]:
-    """Heights after an edit; raises ``ValueError`` before anything has changed."""
-    if edit.action not in EDITS:
-        raise ValueError(f"unknown terrain edit {edit.action!r}; there are: {', '.join(EDITS)}")
-    if len(edit.cells) > EDIT_CELLS_MAX:
-        raise ValueError(f"an edit changes at most {EDIT_CELLS_MAX} cells, got {len(edit.cells)}")
-    rows, columns = (
-        np.array([cell[axis] for cell in edit.cells], dtype=np.intp) for axis in (0, 1)
-    )
-    ny, nx = heights.shape
-    if rows.size and not (
-        rows.min() >= 0 and rows.max() < ny and columns.min() >= 0 and columns.max() < nx
-    ):
-        raise ValueError(f"cells must be within {ny} rows and {nx} columns")
-    heights = heights.copy()
-    if edit.action == "dig":
-        heights[rows, columns] = np.nan
-    elif edit.action == "raise":
-        heights[rows, columns] += edit.amount
-        if np.nanmax(np.abs(heights[rows, columns]), initial=0.0) > HEIGHT_MAX:
-            raise ValueError(f"heights must be within {HEIGHT_MAX:g} m of 0")
-    elif edit.action == "clear":
-        heights[rows, columns] = np.where(
-            np.isnan(heights[rows, columns]), 0.0, heights[rows, columns]
-        )
-    return heights
+def _plant_in(world: World) -> KinematicPlant:
+    """The machine on its ground, in the posture it begins in."""
+    wanted = world.scenario.noise
+    noise = None if wanted is None else Noise(wanted.position, wanted.posture)
+    rng = np.random.default_rng(world.scenario.seed)
+    return KinematicPlant(world.machine, world.ground, world.stance, noise=noise, rng=rng)

@@ -32,6 +32,7 @@ from starlette.websockets import WebSocketDisconnect
 
 from walking_console.planner.control.supervisor import DT
 from walking_console.planner.robot.model import MachineError, is_file, load_machine, machine_names
+from walking_console.sim.requests import EDIT_CELLS_MAX, Edit, Follow
 from walking_console.sim.runs.runner import product_version
 from walking_console.sim.scenario import (
     Scenario,
@@ -42,9 +43,9 @@ from walking_console.sim.scenario import (
     scenario_from,
     scenario_names,
 )
-from walking_console.sim.simulation import EDIT_CELLS_MAX, Edit, Follow, World, prepare
 from walking_console.sim.snapshot import TerrainView
 from walking_console.sim.terrain.ground import GroundError
+from walking_console.sim.world import World, prepare
 
 from .. import schemas
 from ..control_lease import DEAD_MAN, SIT_AFTER, Operator, Seat, TooFast

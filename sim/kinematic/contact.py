@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import pymunk
 
+from walking_console.planner.geometry.transforms import left_fold_sum
 from walking_console.planner.robot.model import Machine
 from walking_console.planner.stability import GRAVITY
 
@@ -228,12 +229,17 @@ class _Slide:
         """
         hull, space, n = self.hull, self.space, len(feet)
         hull.position, hull.angle = (body[0], body[1]), body[5]
-        cx, cy = sum(foot[0] for foot in feet) / n, sum(foot[1] for foot in feet) / n
+        cx, cy = (
+            left_fold_sum(foot[0] for foot in feet) / n,
+            left_fold_sum(foot[1] for foot in feet) / n,
+        )
         grip = self.machine.friction * self.machine.mass * GRAVITY
         pivot = pymunk.PivotJoint(space.static_body, hull, (cx, cy))
         gear = pymunk.GearJoint(space.static_body, hull, hull.angle, 1.0)
         pivot.max_force = grip
-        gear.max_force = grip * sum(math.hypot(foot[0] - cx, foot[1] - cy) for foot in feet) / n
+        gear.max_force = (
+            grip * left_fold_sum(math.hypot(foot[0] - cx, foot[1] - cy) for foot in feet) / n
+        )
         pivot.max_bias = gear.max_bias = 0.0
         pivot.collide_bodies = gear.collide_bodies = True
         space.add(pivot, gear)

@@ -21,6 +21,7 @@ from typing import Literal
 
 import numpy as np
 
+from walking_console.planner.geometry.transforms import left_fold_sum
 from walking_console.planner.robot.model import Machine
 from walking_console.planner.stability import GRAVITY, TIP_SLACK, polygon_margin, support_polygon
 from walking_console.planner.types import TICK, Point, Sensing, Stance
@@ -524,7 +525,7 @@ class KinematicPlant:
         x, y, z, *_ = self.body
         if not self._push_ticks or not self._carry:
             return x, y
-        lever = (z - sum(self.feet[leg][2] for leg in self._carry) / len(self._carry)) / (
+        lever = (z - left_fold_sum(self.feet[leg][2] for leg in self._carry) / len(self._carry)) / (
             self.machine.mass * GRAVITY
         )
         return x + self._push[0] * lever, y + self._push[1] * lever
@@ -703,7 +704,7 @@ class KinematicPlant:
             slope_at(self.ground, self.feet[leg][0], self.feet[leg][1], self.machine.foot_radius)
             for leg in self._carry
         ]
-        return sum(slope[0] for slope in slopes) / len(slopes), sum(
+        return left_fold_sum(slope[0] for slope in slopes) / len(slopes), left_fold_sum(
             slope[1] for slope in slopes
         ) / len(slopes)
 

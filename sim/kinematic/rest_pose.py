@@ -13,6 +13,8 @@ from collections.abc import Sequence
 from itertools import combinations
 from typing import NamedTuple
 
+from walking_console.planner.geometry.transforms import left_fold_sum
+
 Rotation = tuple[float, float, float, float, float, float, float, float, float]
 
 FLAT = 1e-9  # m²; three feet that span less are in one line
@@ -92,8 +94,8 @@ def plane_fit(
     The yaw is the one nearest to ``heading``: it does not jump at ±π.
     """
     n = len(feet)
-    fx, fy = sum(f[0] for f in feet) / n, sum(f[1] for f in feet) / n
-    qx, qy = sum(q[0] for q in reached) / n, sum(q[1] for q in reached) / n
+    fx, fy = left_fold_sum(f[0] for f in feet) / n, left_fold_sum(f[1] for f in feet) / n
+    qx, qy = left_fold_sum(q[0] for q in reached) / n, left_fold_sum(q[1] for q in reached) / n
     across = along = 0.0
     for f, q in zip(feet, reached, strict=True):
         ax, ay, bx, by = q[0] - qx, q[1] - qy, f[0] - fx, f[1] - fy

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from walking_console.planner.geometry.transforms import left_fold_sum
 from walking_console.planner.robot.model import Machine
 from walking_console.planner.stability import GRAVITY, support_polygon
 
@@ -77,7 +78,7 @@ def passed_on(old: Edge | None, new: Edge | None, rate: float) -> float:
     """
     if old is None or new is None:
         return 0.0
-    return max(0.0, rate * sum(a * b for a, b in zip(old.axis, new.axis, strict=True)))
+    return max(0.0, rate * left_fold_sum(a * b for a, b in zip(old.axis, new.axis, strict=True)))
 
 
 def carried_over(

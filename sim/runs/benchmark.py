@@ -33,7 +33,8 @@ from walking_console.planner.types import Blocked, Command, Gait, Sensing, Stanc
 from walking_console.sim.runs.recorder import Recorder
 from walking_console.sim.runs.runner import product_version, run
 from walking_console.sim.scenario import load_scenario
-from walking_console.sim.simulation import Simulation, prepare
+from walking_console.sim.simulation import Simulation
+from walking_console.sim.world import prepare
 
 TICKS = 2500  # a round: four metres, the whole course of scenario flat
 ROUNDS = 7  # medians are taken over this many rounds
@@ -138,7 +139,7 @@ def tick_time(*, recorded: bool) -> float:
         console.order(COMMAND)
         began = process_time()
         for _ in range(TICKS):
-            console.tick()
+            console.step()
             if recorder is not None:
                 recorder.note()
         spent.append((process_time() - began) / TICKS)

@@ -5,11 +5,8 @@ outside contract.
 from __future__ import annotations
 
 import json
-import math
 import struct
 from array import array
-from collections.abc import Sequence
-from dataclasses import asdict
 from hashlib import blake2b
 from pathlib import Path
 from typing import Any
@@ -18,9 +15,9 @@ import numpy as np
 
 from walking_console.planner.control.supervisor import DT
 from walking_console.planner.crab.measures import off_standard
-from walking_console.planner.crab.slope_adaptation import KINDS
-from walking_console.planner.types import POSTURES, Command, Mode, StepPlan
-from walking_console.sim.simulation import Edit, Follow, Halt, Load, Pose, Push, Reset, Simulation
+from walking_console.planner.types import Mode, StepPlan
+from walking_console.sim.requests import input_record
+from walking_console.sim.simulation import Simulation
 
 SCHEMA = 1
 MODES = {mode.name.lower(): int(mode) for mode in Mode}
@@ -85,8 +82,8 @@ class Recorder:
         landed = [leg for leg in plan.swing if leg not in plan.end.lifted]
         for leg in landed:
             x, y, _ = plan.end.feet[leg]
-            cell = console.belief.cell_at(x, y)
-            if cell is None or console.true_forbidden[cell]:
+            cell = console.perception.belief.cell_at(x, y)
+            if cell is None or console.perception.true_forbidden[cell]:
                 self.forbidden_steps += 1
         record: dict[str, Any] = {
             "index": len(self.steps),
@@ -152,12 +149,12 @@ class Recorder:
         np.savez_compressed(out / "ticks.npz", **self.columns())  # type: ignore[arg-type]
         np.savez_compressed(
             out / "terrain.npz",
-            heights=console.ground.heights.astype(np.float32),
-            cell=np.float64(console.ground.cell),
-            origin=np.array(console.ground.origin),
-            forbidden=console.true_forbidden,
-            believed_heights=console.belief.heights.astype(np.float32),
-            believed_forbidden=console.belief.forbidden,
+            heights=console.perception.ground.heights.astype(np.float32),
+            cell=np.float64(console.perception.ground.cell),
+            origin=np.array(console.perception.ground.origin),
+            forbidden=console.perception.true_forbidden,
+            believed_heights=console.perception.belief.heights.astype(np.float32),
+            believed_forbidden=console.perception.belief.forbidden,
         )
         _write_lines(out / "steps.jsonl", self.steps)
         _write_lines(out / "inputs.jsonl", self.inputs)
@@ -170,74 +167,3 @@ def _write_lines(path: Path, records: list[dict[str, Any]]) -> None:
     with path.open("w", encoding="utf-8") as file:
         for record in records:
             file.write(json.dumps(record, allow_nan=False) + "\n")
-
-
-def input_record(given: object) -> dict[str, Any]:
-    """One input from outside as JSON: what ``inputs.jsonl`` keeps and ``input_from`` reads back."""
-    if isinstance(given, Command):
-        return {"input": "command", **asdict(given)}
-    if isinstance(given, Edit):
-        return {
-            "input": "edit",
-            "action": given.action,
-            "cells": [list(cell) for cell in given.cells],
-            "amount": given.amount,
-        }
-    if isinstance(given, Push):
-        return {"input": "push", **asdict(given)}
-    if isinstance(given, Pose):
-        return {"input": "pose", **asdict(given)}
-    if isinstance(given, Halt):
-        return {"input": "halt"}
-    if isinstance(given, Follow):
-        return {"input": "attitude", **asdict(given)}
-    if isinstance(given, Reset):
-        return {"input": "reset"}
-    if isinstance(given, Load):
-        return {"input": "load", "scenario": given.world.scenario.name}
-    raise TypeError(f"unknown input {given!r}")
-
-
-def input_from(record: dict[str, Any]) -> Command | Edit | Push | Pose | Halt | Follow | Reset:
-    """The inverse of ``input_record``; raises ``ValueError`` for what a replay cannot feed."""
-    kind = record.get("input")
-    if kind == "command":
-        return Command(*(_finite(record[key]) for key in ("crab_angle", "speed", "turn_rate")))
-    if kind == "edit":
-        return Edit(
-            record["action"],
-            tuple((_index(row), _index(column)) for row, column in record["cells"]),
-            _finite(record["amount"]),
-        )
-    if kind == "push":
-        return Push(_finite(record["fx"]), _finite(record["fy"]), int(record["ticks"]))
-    if kind == "pose":
-        return Pose(_one_of(record, "posture", POSTURES))
-    if kind == "halt":
-        return Halt()
-    if kind == "attitude":
-        return Follow(_one_of(record, "attitude", KINDS))
-    if kind == "reset":
-        return Reset()
-    raise ValueError(
-        f"unknown input {kind!r}; there are: command, edit, push, pose, halt, attitude, reset"
-    )
-
-
-def _one_of(record: dict[str, Any], key: str, known: Sequence[str]) -> str:
-    value: str = record[key]
-    if value not in known:
-        raise ValueError(f"unknown {key} {value!r:.80}; there are: {', '.join(known)}")
-    return value
-
-
-def _finite(value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise ValueError(f"a finite number is wanted, got {value!r:.80}")
-    return value
-
-
-def _index(value: Any) -> int:
-    if type(value) is not int or not 0 <= value < 2**31:
-        raise ValueError(f"a row or column is wanted, got {value!r:.80}")
-    return value

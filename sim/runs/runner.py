@@ -18,10 +18,12 @@ from walking_console.planner.control.supervisor import DT
 from walking_console.planner.robot.model import as_data, machine_from, shown
 from walking_console.planner.trace.planner import ARRIVED
 from walking_console.planner.types import Command
+from walking_console.sim.requests import Halt, TakePosture, input_from
 from walking_console.sim.runs.metrics import measured
-from walking_console.sim.runs.recorder import MODES, SCHEMA, Recorder, input_from
+from walking_console.sim.runs.recorder import MODES, SCHEMA, Recorder
 from walking_console.sim.scenario import Drive, Scenario, scenario_from
-from walking_console.sim.simulation import Halt, Pose, Simulation, World, prepare
+from walking_console.sim.simulation import Simulation
+from walking_console.sim.world import World, prepare
 
 BLOCKED_LIMIT = 10.0  # s
 PROGRESS_TICKS = 250
@@ -42,7 +44,7 @@ class RunError(ValueError):
     """A run directory that cannot be used; the message is one clear line."""
 
 
-def timeline(scenario: Scenario) -> list[tuple[int, Command, Pose | Halt | None]]:
+def timeline(scenario: Scenario) -> list[tuple[int, Command, TakePosture | Halt | None]]:
     """The drive entries as (tick, command, request), in order; a given trace is one command at its
     speed; with neither, hold.
     """
@@ -51,12 +53,12 @@ def timeline(scenario: Scenario) -> list[tuple[int, Command, Pose | Halt | None]
     return [(round(entry.t / DT), entry.command(), _request(entry)) for entry in scenario.drive]
 
 
-def _request(entry: Drive) -> Pose | Halt | None:
+def _request(entry: Drive) -> TakePosture | Halt | None:
     """What an entry asks for beside its command: a posture, or, where it is to hold, that none goes
     on being taken.
     """
     if entry.posture is not None:
-        return Pose(entry.posture)
+        return TakePosture(entry.posture)
     return Halt() if entry.command().holds else None
 
 
@@ -97,7 +99,7 @@ def _walk_to_end(
     time_end, distance_end = scenario.end.time, scenario.end.distance
     ticks_max = round(scenario.time_limit / DT)
     blocked_ticks, next_order = 0, 0
-    tick, note, plant = console.tick, recorder.note, console.plant
+    step, note, plant = console.step, recorder.note, console.plant
     for index in range(ticks_max):
         while next_order < len(orders) and orders[next_order][0] <= index:
             _, command, request = orders[next_order]
@@ -105,7 +107,7 @@ def _walk_to_end(
             if request is not None:
                 console.request(request)
             next_order += 1
-        tick()
+        step()
         note()
         if plant.state == "fallen":
             return "fell", console.reason
@@ -309,7 +311,7 @@ def rerun(directory: Path) -> Iterator[tuple[Simulation, bool]]:
             else:
                 console.request(given)
             next_input += 1
-        console.tick()
+        console.step()
         recorder.note()
         yield console, recorder.hash == int(recorded[index]).to_bytes(8, "little")
 

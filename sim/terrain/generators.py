@@ -16,6 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from walking_console.planner.geometry.transforms import left_fold_sum
+
 Array = NDArray[np.float64]
 Box = tuple[float, float, float, float]  # x_min, x_max, y_min, y_max
 SMOOTH_CELL = 0.025  # m: smooth ground is resampled to cells no larger than this
@@ -597,7 +599,12 @@ def _box(
         for u, v in ((u0, v0), (u1, v0), (u1, v1), (u0, v1))
     )
     return Obstacle(
-        sum(p[0] for p in corners) / 4, sum(p[1] for p in corners) / 4, base, top, 0.0, corners
+        left_fold_sum(p[0] for p in corners) / 4,
+        left_fold_sum(p[1] for p in corners) / 4,
+        base,
+        top,
+        0.0,
+        corners,
     )
 
 

@@ -16,10 +16,12 @@ from typing import Any
 import numpy as np
 
 from walking_console.planner.types import Command
+from walking_console.sim.requests import Edit, Push, TakePosture
 from walking_console.sim.runs.recorder import Recorder
 from walking_console.sim.runs.runner import run
 from walking_console.sim.scenario import load_scenario, scenario_names
-from walking_console.sim.simulation import Edit, Pose, Push, Simulation, prepare
+from walking_console.sim.simulation import Simulation
+from walking_console.sim.world import prepare
 
 RECORDED = Path(__file__).parent / "recorded"
 EVERY = 250  # ticks between the hashes that are kept: they say about when two walks part
@@ -85,8 +87,8 @@ RECIPES: dict[str, Recipe] = {
             (500, Command(0.0, 0.0, 0.2)),
             (700, Command(1.2, 0.09, -0.1)),
             (950, Command()),
-            (1000, Pose("sit")),
-            (1300, Pose("stand")),
+            (1000, TakePosture("sit")),
+            (1300, TakePosture("stand")),
             (1500, Command(3.0, 0.1)),
         ),
         ticks=1800,
@@ -152,7 +154,7 @@ def _with_events(recipe: Recipe) -> list[dict[str, Any]]:
                 console.order(given)
             else:
                 console.request(given)
-        console.tick()
+        console.step()
         recorder.note()
     return [
         _whole(recorder.columns()["hash"], recorder.state_hash, console.mode.name, console.reason),

@@ -12,7 +12,8 @@ from stopwatch import Watch
 from walking_console.server.api.app import Settings, create_app
 from walking_console.server.realtime_loop import WalkingClock
 from walking_console.sim.scenario import load_scenario
-from walking_console.sim.simulation import Simulation, World, prepare
+from walking_console.sim.simulation import Simulation
+from walking_console.sim.world import World, prepare
 
 HERE = "http://127.0.0.1:8000"
 

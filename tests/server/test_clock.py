@@ -8,8 +8,9 @@ from stopwatch import Watch
 
 from walking_console.planner.types import Command
 from walking_console.server.realtime_loop import ADVANCE_PER_BEAT, Drawing, WalkingClock
-from walking_console.sim.simulation import Simulation, World
+from walking_console.sim.simulation import Simulation
 from walking_console.sim.snapshot import Snapshot
+from walking_console.sim.world import World
 
 AHEAD = Command(0.0, 0.08, 0.0)
 
@@ -108,10 +109,10 @@ class Broken(Simulation):
 
     failing = True
 
-    def tick(self) -> None:
+    def step(self) -> None:
         if self.failing:
             raise ArithmeticError("the planner divided by nothing")
-        super().tick()
+        super().step()
 
 
 def test_a_tick_that_fails_is_held_and_said_until_a_reset(
@@ -182,8 +183,8 @@ def test_a_late_beat_is_skipped_and_said_not_caught_up(flat: World) -> None:
     released, entered = threading.Event(), threading.Event()
 
     class Slow(Simulation):
-        def tick(self) -> None:
-            super().tick()
+        def step(self) -> None:
+            super().step()
             if self.tick_count == 3:
                 entered.set()
                 released.wait(5.0)

@@ -8,8 +8,10 @@ import pytest
 from walking_console.planner.stability import MARGIN_SLACK
 from walking_console.planner.terrain.map import classify
 from walking_console.planner.types import Command, Mode
+from walking_console.sim.requests import Edit, Load, Push, Reset
 from walking_console.sim.scenario import load_scenario
-from walking_console.sim.simulation import Edit, Load, Push, Reset, Simulation, prepare
+from walking_console.sim.simulation import Simulation
+from walking_console.sim.world import prepare
 
 WALK = Command(0.0, 0.08)
 
@@ -19,7 +21,7 @@ def console_on(name="flat", *settings):
 
 
 def cells_around(console, x, y, half):
-    ground = console.ground
+    ground = console.perception.ground
     r0, c0 = ground.cell_at(x - half, y - half)
     r1, c1 = ground.cell_at(x + half, y + half)
     return tuple((r, c) for r in range(r0, r1 + 1) for c in range(c0, c1 + 1))
@@ -27,7 +29,7 @@ def cells_around(console, x, y, half):
 
 def run(console, ticks):
     for _ in range(ticks):
-        console.tick()
+        console.step()
         assert console.margins(console.walk.carrying())[0] >= -MARGIN_SLACK
 
 
@@ -63,9 +65,11 @@ def test_classes_after_an_edit_are_those_of_the_whole_new_ground():
     for action, amount in (("raise", 0.12), ("dig", 0.0), ("raise", -0.05)):
         x, y = rng.uniform(1.0, 3.0, 2)
         console.request(Edit(action, cells_around(console, float(x), float(y), 0.2), amount))
-        console.tick()
-    whole = classify(console.ground.heights, console.ground.cell, console.world.machine)
-    assert (whole == console.true_forbidden).all()
+        console.step()
+    whole = classify(
+        console.perception.ground.heights, console.perception.ground.cell, console.world.machine
+    )
+    assert (whole == console.perception.true_forbidden).all()
 
 
 def test_forbidden_cells_stay_forbidden_until_they_are_cleared():
@@ -73,12 +77,12 @@ def test_forbidden_cells_stay_forbidden_until_they_are_cleared():
     cells = cells_around(console, 2.0, 0.0, 0.1)
     console.request(Edit("forbid", cells))
     console.request(Edit("raise", cells_around(console, 2.0, 0.3, 0.1), 0.05))
-    console.tick()
-    assert all(console.belief.forbidden[cell] for cell in cells)
+    console.step()
+    assert all(console.perception.belief.forbidden[cell] for cell in cells)
     console.request(Edit("clear", cells))
     console.request(Edit("raise", cells_around(console, 2.0, 0.3, 0.1), -0.05))
-    console.tick()
-    assert not any(console.belief.forbidden[cell] for cell in cells)
+    console.step()
+    assert not any(console.perception.belief.forbidden[cell] for cell in cells)
 
 
 @pytest.mark.parametrize(
@@ -94,11 +98,11 @@ def test_forbidden_cells_stay_forbidden_until_they_are_cleared():
 )
 def test_an_edit_that_cannot_be_is_refused_whole(edit, said):
     console = console_on()
-    before = console.ground.heights.copy()
+    before = console.perception.ground.heights.copy()
     console.request(edit)
-    console.tick()
+    console.step()
     assert said in console.refused
-    assert np.array_equal(before, console.ground.heights, equal_nan=True)
+    assert np.array_equal(before, console.perception.ground.heights, equal_nan=True)
 
 
 def test_a_reset_begins_again_and_a_load_changes_the_world():
@@ -106,10 +110,10 @@ def test_a_reset_begins_again_and_a_load_changes_the_world():
     console.order(WALK)
     run(console, 200)
     console.request(Reset())
-    console.tick()
+    console.step()
     assert console.tick_count == 1 and console.distance == 0.0 and console.command.holds
     console.request(Load(prepare(load_scenario("stairs-up"))))
-    console.tick()
+    console.step()
     assert console.snapshot().scenario == "stairs-up"
 
 
@@ -122,7 +126,7 @@ def test_a_push_that_friction_holds_moves_nothing_and_a_great_one_tips_the_machi
     assert console.plant.body[0] == pytest.approx(x, abs=1e-6)
     console.request(Push(0.0, 3000.0, 60))
     for _ in range(200):
-        console.tick()
+        console.step()
     assert console.mode is Mode.FALLEN
     assert "fallen" in console.reason
 
@@ -137,7 +141,7 @@ def test_the_same_orders_give_the_same_world_to_the_last_bit():
                 console.order(
                     Command(float(rng.uniform(-math.pi, math.pi)), float(rng.uniform(0.0, 0.1)))
                 )
-            console.tick()
+            console.step()
             states.append((*console.plant.body, *(v for foot in console.plant.feet for v in foot)))
         return states
 

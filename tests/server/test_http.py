@@ -12,8 +12,9 @@ from walking_console.server import explanation_frames, frames, schemas
 from walking_console.server.api.app import Settings, create_app
 from walking_console.server.realtime_loop import WalkingClock
 from walking_console.server.request_guard import BODY_MAX
+from walking_console.sim.requests import Push
 from walking_console.sim.scenario import scenario_from
-from walking_console.sim.simulation import Push, prepare
+from walking_console.sim.world import prepare
 
 HERE = "http://127.0.0.1:8000"
 COMMAND = {"crab_angle_rad": 0.0, "speed_m_s": 0.08, "turn_rate_rad_s": 0.0, "ttl_s": 0.5}

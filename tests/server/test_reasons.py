@@ -11,7 +11,8 @@ from walking_console.server.explanation_frames import CANDIDATES_SHOWN, ahead_fr
 from walking_console.server.realtime_loop import WalkingClock
 from walking_console.server.schemas import painted
 from walking_console.sim.scenario import load_scenario, scenario_from
-from walking_console.sim.simulation import Simulation, prepare
+from walking_console.sim.simulation import Simulation
+from walking_console.sim.world import prepare
 
 HERE = {"origin": "http://127.0.0.1:8000"}
 
@@ -19,7 +20,7 @@ HERE = {"origin": "http://127.0.0.1:8000"}
 def walked(console: Simulation, command: Command, ticks: int) -> Simulation:
     for _ in range(ticks):
         console.order(command)
-        console.tick()
+        console.step()
     return console
 
 

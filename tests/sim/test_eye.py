@@ -42,8 +42,8 @@ def seen(eye, looks=12, body=STANDING, direction=0.0):
     """Height of every cell after some looks, −inf where nothing was seen."""
     found = np.full(eye.ground.heights.shape, -np.inf)
     for _ in range(looks):
-        sight = eye.look(body, direction)
-        found[sight.rows, sight.columns] = sight.heights
+        scan = eye.scan(body, direction)
+        found[scan.rows, scan.columns] = scan.heights
     return found
 
 
@@ -92,10 +92,10 @@ def test_of_a_wall_taller_than_the_eye_only_a_side_is_seen():
     heights = level()
     heights[:, at(2.0) : at(2.2)] = 3.0
     eye = eye_over(heights)
-    sight = eye.look(STANDING)
-    wall = sight.columns == at(2.0)
-    assert wall.any() and sight.sides[wall].all()
-    assert np.all(sight.heights[wall] < 3.0)
+    scan = eye.scan(STANDING)
+    wall = scan.columns == at(2.0)
+    assert wall.any() and scan.sides[wall].all()
+    assert np.all(scan.heights[wall] < 3.0)
 
 
 def test_a_block_is_seen_from_above_and_throws_a_shadow():
@@ -134,23 +134,23 @@ def test_what_is_seen_is_true_on_any_ground():
     heights[rng.random(heights.shape) < 0.1] = np.nan
     eye = eye_over(heights)
     for _ in range(5):
-        sight = eye.look(STANDING, float(rng.uniform(-3, 3)))
-        truth = eye.ground.heights[sight.rows, sight.columns]
-        assert np.array_equal(np.isnan(sight.heights), np.isnan(truth))
-        assert np.array_equal(sight.heights[~sight.sides], truth[~sight.sides], equal_nan=True)
-        assert np.all(sight.heights[sight.sides] <= truth[sight.sides])
-        assert np.unique(sight.rows * 10_000 + sight.columns).size == sight.rows.size
+        scan = eye.scan(STANDING, float(rng.uniform(-3, 3)))
+        truth = eye.ground.heights[scan.rows, scan.columns]
+        assert np.array_equal(np.isnan(scan.heights), np.isnan(truth))
+        assert np.array_equal(scan.heights[~scan.sides], truth[~scan.sides], equal_nan=True)
+        assert np.all(scan.heights[scan.sides] <= truth[scan.sides])
+        assert np.unique(scan.rows * 10_000 + scan.columns).size == scan.rows.size
 
 
 def test_noise_and_dropouts_are_as_set_and_repeatable():
     one, other, third = (
         eye_over(level(), seed=seed, noise=0.01, dropout=0.5) for seed in (3, 3, 4)
     )
-    a, b, c = one.look(STANDING), other.look(STANDING), third.look(STANDING)
+    a, b, c = one.scan(STANDING), other.scan(STANDING), third.scan(STANDING)
     assert all(np.array_equal(p, q) for p, q in zip(a, b, strict=True))
     assert not np.array_equal(a.heights[:100], c.heights[:100])
     assert a.heights.std() == pytest.approx(0.01, rel=0.1)
-    assert a.rows.size == pytest.approx(0.5 * eye_over(level()).look(STANDING).rows.size, rel=0.1)
+    assert a.rows.size == pytest.approx(0.5 * eye_over(level()).scan(STANDING).rows.size, rel=0.1)
 
 
 def test_a_nose_down_torso_sees_nearer():
@@ -163,8 +163,8 @@ def test_a_nose_down_torso_sees_nearer():
 
 def test_the_edge_of_the_map_is_not_a_hole():
     eye = eye_over(level(size=4.0))
-    sight = eye.look(STANDING)
-    assert sight.rows.size > 0 and not np.isnan(sight.heights).any()
+    scan = eye.scan(STANDING)
+    assert scan.rows.size > 0 and not np.isnan(scan.heights).any()
 
 
 @pytest.mark.parametrize(

@@ -25,7 +25,8 @@ import numpy as np
 from walking_console.planner.stability import MARGIN_SLACK
 from walking_console.planner.types import TICK, Command
 from walking_console.sim.scenario import load_scenario
-from walking_console.sim.simulation import Simulation, prepare
+from walking_console.sim.simulation import Simulation
+from walking_console.sim.world import prepare
 
 FIRST_SEED = 52_000  # not used for tuning
 FORBIDDEN = 0.3  # of the 5 cm cells, ground "cells"
@@ -133,7 +134,7 @@ class Watched:
         """One tick, and what it came to."""
         console, seen = self.console, self.seen
         x, y, yaw = self._pose()
-        console.tick()
+        console.step()
         seen.seconds += TICK
         plant, walk = console.plant, console.walk
         seen.way += math.hypot(plant.body[0] - x, plant.body[1] - y)
@@ -161,8 +162,10 @@ class Watched:
                     seen.feet_moved, *(abs(a - b) for a, b in zip(foot, before, strict=True))
                 )
             elif stands:
-                cell = console.ground.cell_at(foot[0], foot[1])
-                seen.forbidden_steps += cell is None or bool(console.true_forbidden[cell])
+                cell = console.perception.ground.cell_at(foot[0], foot[1])
+                seen.forbidden_steps += cell is None or bool(
+                    console.perception.true_forbidden[cell]
+                )
         self._feet, self._stood = feet, stand
 
     def _look_at_body(self) -> None:
@@ -272,7 +275,7 @@ def hand_walk(
             left = round(stays / TICK)
             watched.order(homeward(console, command))
         left -= 1
-        watched.tick()
+        watched.step()
         if watched.seen.falls:
             return watched.seen, 0.0
     x, y = console.plant.body[:2]
@@ -280,7 +283,7 @@ def hand_walk(
         Command(math.remainder(math.atan2(-y, -x) - console.plant.body[5], 2 * math.pi), 0.08)
     )
     for _ in range(round(HOMEWARD / TICK)):
-        watched.tick()
+        watched.step()
     return watched.seen, math.hypot(console.plant.body[0] - x, console.plant.body[1] - y)
 
 
@@ -304,7 +307,7 @@ def circle_walk(
     start = watched.console.plant.body[5]
     watched.order(Command(math.radians(degrees), speed, sense * rate))
     for _ in range(round(PATIENCE * 2 * math.pi / rate / TICK)):
-        watched.tick()
+        watched.step()
         if watched.seen.falls or abs(watched.seen.yaw - start) >= 2 * math.pi:
             break
     return watched.seen
@@ -352,16 +355,16 @@ def answer(ground: str, stop: int, command: Command, ramp: int) -> tuple[float, 
     console = console_on(ground, FIRST_SEED, "titan3", 0.8)
     console.order(Command(0.0, 0.08))
     for _ in range(stop):
-        console.tick()
+        console.step()
     console.order(Command())
     for _ in range(50):
-        console.tick()
+        console.step()
     x, y, *_, yaw = console.plant.body
     begun = console.walk.steps_begun
     for ticks in range(1, 500):
         share = min(1.0, ticks / ramp)
         console.order(Command(command.crab_angle, share * command.speed, share * command.turn_rate))
-        console.tick()
+        console.step()
         body = console.plant.body
         if (
             math.hypot(body[0] - x, body[1] - y, console.world.machine.yaw_length * (body[5] - yaw))

@@ -17,7 +17,8 @@ from walking_console.planner.robot.model import load_machine
 from walking_console.planner.types import Command, Gait
 from walking_console.sim.runs.recorder import Recorder
 from walking_console.sim.scenario import Scenario, scenario_from
-from walking_console.sim.simulation import Simulation, prepare
+from walking_console.sim.simulation import Simulation
+from walking_console.sim.world import prepare
 
 TITAN = load_machine("titan3")
 GAIT = Gait(TITAN.duty_factor, TITAN.lift_up, TITAN.lift_down, TITAN.height)
@@ -63,7 +64,7 @@ def walked(slope: float, course: float, attitude: str, steps: int) -> Walked:
     ended = ""
     half, begun = 0.0, 0
     while console.walk.steps_begun <= steps and not ended:
-        console.tick()
+        console.step()
         recorder.note()
         if not begun and console.walk.steps_begun > steps // 2:
             half, begun = console.distance, console.walk.steps_begun

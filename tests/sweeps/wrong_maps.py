@@ -16,7 +16,8 @@ from walking_console.planner.control.supervisor import DT
 from walking_console.planner.terrain.map import TerrainMap, classify
 from walking_console.planner.types import Command, Mode
 from walking_console.sim.scenario import scenario_from
-from walking_console.sim.simulation import Simulation, World, prepare
+from walking_console.sim.simulation import Simulation
+from walking_console.sim.world import World, prepare
 
 CELL = 0.025  # m
 LENGTH = 10.0  # m to walk
@@ -85,7 +86,7 @@ def walk(seed: int, base: World, mode: str) -> dict[str, object]:
     console.order(Command(0.0, 0.08))
     hanging, steps, stuck = 0, 0, 0
     for _ in range(round(TIME / DT)):
-        console.tick()
+        console.step()
         if console.mode is Mode.FALLEN:
             return {
                 "result": "fell",

@@ -9,9 +9,11 @@ import pytest
 
 from walking_console.planner.navigation.local_planner import RouteState
 from walking_console.planner.types import Command, Mode
+from walking_console.sim.requests import Edit
 from walking_console.sim.runs.runner import replay, run
 from walking_console.sim.scenario import ScenarioError, load_scenario
-from walking_console.sim.simulation import Edit, Simulation, prepare
+from walking_console.sim.simulation import Simulation
+from walking_console.sim.world import prepare
 
 from .telling import assert_always_true, walked
 
@@ -25,7 +27,7 @@ def console_of(name, *settings):
 def walk_on(console, ticks, command=AHEAD):
     console.order(command)
     for _ in range(ticks):
-        console.tick()
+        console.step()
         assert console.mode not in (Mode.TIPPING, Mode.FALLEN), console.reason
 
 
@@ -78,8 +80,8 @@ def test_with_an_eye_it_walks_what_it_walks_on_a_given_map(tmp_path, name):
 def test_what_it_believes_is_what_is_there_where_it_has_looked():
     console = console_of("block", "sensing=eye", "eye.noise=0.0")
     walk_on(console, 1000)
-    belief, truth = console.belief, console.ground.heights
-    tops = belief.known & (console.memory._looks > 0)
+    belief, truth = console.perception.belief, console.perception.ground.heights
+    tops = belief.known & (console.perception.mapper._looks > 0)
     assert 0.1 < belief.known.mean() < 0.9
     assert np.allclose(belief.heights[tops], truth[tops], atol=1e-9)
 
@@ -95,7 +97,7 @@ def test_a_short_sighted_eye_slows_the_walk():
 def test_a_hole_dug_ahead_is_seen_and_not_stepped_into():
     console = console_of("flat", "sensing=eye")
     walk_on(console, 100)
-    ground = console.ground
+    ground = console.perception.ground
     hole = [
         (row, column)
         for row in range(ground.rows)
@@ -104,8 +106,8 @@ def test_a_hole_dug_ahead_is_seen_and_not_stepped_into():
         and abs(ground.centre(row, column)[1] - 0.1) < 0.6
     ]
     console.request(Edit("dig", tuple(hole)))
-    console.tick()
-    assert not console.belief.forbidden[hole[0]]  # nobody has told it
+    console.step()
+    assert not console.perception.belief.forbidden[hole[0]]  # nobody has told it
     walk_on(console, 4500)
     assert console.plant.body[0] > 4.5 and abs(console.plant.body[1]) < 1.3
     assert sum(console.walk.emergent.values()) == 0
@@ -134,8 +136,8 @@ def test_by_touch_alone_the_ground_under_the_feet_is_what_is_known(tmp_path):
 def test_holes_found_by_touch_stay_on_the_map():
     console = console_of("holes", "sensing=none")
     walk_on(console, 3000)
-    learnt = np.argwhere(console.memory.learnt)
-    assert len(learnt) > 0 and console.belief.forbidden[tuple(learnt.T)].all()
+    learnt = np.argwhere(console.perception.mapper.learnt)
+    assert len(learnt) > 0 and console.perception.belief.forbidden[tuple(learnt.T)].all()
     assert console.distance > 2.0
 
 

@@ -10,7 +10,8 @@ import pytest
 from tests.sweeps.hands import Watched, circle_walk, console_on, hand_walk
 from walking_console.planner.types import TICK, Command
 from walking_console.sim.scenario import load_scenario
-from walking_console.sim.simulation import Simulation, prepare
+from walking_console.sim.simulation import Simulation
+from walking_console.sim.world import prepare
 
 COURSES = {
     "straight": Command(0.3, 0.08),
@@ -37,7 +38,7 @@ def walked(positions):
     for command in positions:
         before = watched.console.plant.body[:6]
         watched.order(command)
-        watched.tick()
+        watched.step()
         stood += list(watched.console.plant.body[:6]) == list(before)
     return watched.seen, stood
 
@@ -69,14 +70,14 @@ def test_a_body_that_waits_for_its_foot_does_not_wait_longer_when_the_stick_is_d
     console = Simulation(prepare(load_scenario("flat", [feet, "gait.duty_factor=0.888"])))
     console.order(Command(math.radians(-57.6), 0.08))
     for _ in range(500):
-        console.tick()
+        console.step()
         if console.walk.kind == "step" and console.walk.plan.shift < 1e-6:
             break
     begun, plan = console.walk.steps_begun, console.walk.plan
     assert console.walk.kind == "step" and plan.shift < 1e-6
     console.order(Command(math.radians(-57.6), 0.002))
     for _ in range(math.ceil(console.walk.playback.duration / TICK)):
-        console.tick()
+        console.step()
     assert console.walk.steps_begun > begun or console.walk.kind == "stand"
 
 
@@ -90,11 +91,11 @@ def test_a_foot_comes_down_at_its_own_speed_when_a_creeping_stick_is_pushed(tick
     phases = set()
     for _ in range(60):
         for _ in range(ticks):
-            console.tick()
+            console.step()
         console.order(Command(0.0, 0.25))
         phases.add(console.walk.mode)
         for _ in range(8):
-            console.tick()
+            console.step()
         console.order(Command(0.0, 0.004))
     assert not console.walk.emergent and console.plant.state == "standing" and len(phases) > 1
 

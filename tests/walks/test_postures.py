@@ -11,9 +11,12 @@ import pytest
 
 from walking_console.planner.crab.measures import is_standard, off_standard
 from walking_console.planner.types import POSTURES, Command, Mode
+from walking_console.sim.perception import disc
+from walking_console.sim.requests import Edit, Halt, Push, TakePosture
 from walking_console.sim.runs.runner import replay, succeeded
 from walking_console.sim.scenario import ScenarioError, load_scenario, scenario_from
-from walking_console.sim.simulation import Edit, Halt, Pose, Push, Simulation, disc, prepare
+from walking_console.sim.simulation import Simulation
+from walking_console.sim.world import prepare
 
 from .telling import assert_always_true, walked
 
@@ -36,15 +39,15 @@ def walking(ticks: int, *settings: str, command: Command = WALK) -> Simulation:
 
 def run(console: Simulation, ticks: int) -> None:
     for _ in range(ticks):
-        console.tick()
+        console.step()
         assert console.mode not in (Mode.TIPPING, Mode.FALLEN), console.reason
         assert console.margins(console.walk.carrying())[1] >= -1e-6
 
 
 def ask(console: Simulation, posture: str, seconds: float = 20.0) -> None:
     """Ask for a posture and wait until it is taken, or refused."""
-    console.request(Pose(posture))
-    console.tick()
+    console.request(TakePosture(posture))
+    console.step()
     for _ in range(round(seconds * SECOND)):
         if not console.walk.posing:
             return
@@ -140,7 +143,7 @@ def test_after_the_standard_posture_the_walk_goes_on_as_the_standard_walk_at_onc
     console.order(course)
     swings = []
     for _ in range(20 * SECOND):
-        console.tick()
+        console.step()
         assert console.mode not in (Mode.BLOCKED, Mode.FALLEN)
         step = console.walk.executed
         if step is not None:
@@ -183,7 +186,7 @@ def test_sitting_is_low_standing_is_high_and_neither_moves_a_foot(settings):
 def test_from_sitting_into_the_standard_posture_it_stands_up_first():
     console = walking(130)
     ask(console, "sit")
-    console.request(Pose("standard"))
+    console.request(TakePosture("standard"))
     seen = []
     for _ in range(10 * SECOND):
         run(console, 1)
@@ -231,7 +234,7 @@ def test_a_command_to_move_in_the_middle_of_sitting_or_standing_raises_it_and_it
     console = walking(100)
     if interrupted == "stand":
         ask(console, "sit")
-    console.request(Pose(interrupted))
+    console.request(TakePosture(interrupted))
     run(console, after + SECOND)  # the foot in the air is set down first
     console.order(WALK)
     run(console, 8 * SECOND)
@@ -260,15 +263,15 @@ def test_whenever_it_is_stopped_on_its_way_the_body_stops_at_once_and_all_feet_a
 ):
     begun = walking(130, *settings)
     ticks = 0
-    begun.request(Pose("standard"))
-    begun.tick()
+    begun.request(TakePosture("standard"))
+    begun.step()
     while begun.walk.posing:
-        begun.tick()
+        begun.step()
         ticks += 1
     assert ticks > 2 * SECOND
     for after in range(1, ticks, 11):
         console = walking(130, *settings)
-        console.request(Pose("standard"))
+        console.request(TakePosture("standard"))
         run(console, after)
         console.request(Halt())
         body = console.plant.body.copy()
@@ -285,7 +288,7 @@ def test_whenever_it_is_stopped_on_its_way_the_body_stops_at_once_and_all_feet_a
 def test_a_command_to_move_while_the_feet_are_being_put_in_order_is_followed():
     for after in range(60, 240, 23):
         console = walking(130)
-        console.request(Pose("standard"))
+        console.request(TakePosture("standard"))
         run(console, after)
         console.order(Command(math.radians(20), 0.08))
         way = console.distance
@@ -295,12 +298,12 @@ def test_a_command_to_move_while_the_feet_are_being_put_in_order_is_followed():
 
 def test_the_newest_posture_wins():
     console = walking(130)
-    console.request(Pose("standard"))
+    console.request(TakePosture("standard"))
     run(console, 100)
     assert console.mode is Mode.REGROUP
     ask(console, "sit")
     assert console.mode is Mode.SIT
-    console.request(Pose("stand"))
+    console.request(TakePosture("stand"))
     run(console, 10)
     ask(console, "sit")
     assert console.mode is Mode.SIT
@@ -309,7 +312,7 @@ def test_the_newest_posture_wins():
 def test_a_posture_asked_for_by_a_held_command_ends_that_command():
     console = walking(60)
     console.order(WALK, ttl_ticks=500)
-    console.request(Pose("sit"))
+    console.request(TakePosture("sit"))
     run(console, 4 * SECOND)
     assert console.command == HOLD and console.mode is Mode.SIT
 
@@ -322,7 +325,7 @@ def test_a_hand_that_cannot_make_up_its_mind_gets_a_machine_neither_down_nor_stu
         if tick >= until:
             until = tick + hand.randint(3, 150)
             console.request(
-                Pose(hand.choice(POSTURES))
+                TakePosture(hand.choice(POSTURES))
             ) if hand.random() < 0.5 else console.request(Halt())
             if hand.random() < 0.5:
                 console.order(
@@ -344,7 +347,7 @@ def test_a_hand_that_cannot_make_up_its_mind_gets_a_machine_neither_down_nor_stu
 def without_ground(edit: str) -> Simulation:
     """A machine that wants to walk where there is nothing to step on but where it stands."""
     console = walking(1)
-    ground, feet = console.ground, console.plant.feet
+    ground, feet = console.perception.ground, console.plant.feet
     rows, columns, _ = disc(ground, 0.0, 0.0, 1.6)
     cells = [(int(row), int(column)) for row, column in zip(rows, columns, strict=True)]
     far = [
@@ -355,7 +358,7 @@ def without_ground(edit: str) -> Simulation:
     console.request(Edit(edit, tuple(far)))
     console.order(WALK)
     for _ in range(30 * SECOND):
-        console.tick()
+        console.step()
     assert console.mode is Mode.BLOCKED and console.refused == ""
     return console
 
@@ -380,28 +383,28 @@ def test_a_fallen_machine_refuses_and_says_why():
     console.order(HOLD)
     console.request(Push(0.0, 3000.0, 60))
     for _ in range(200):
-        console.tick()
-    console.request(Pose("stand"))
-    console.tick()
+        console.step()
+    console.request(TakePosture("stand"))
+    console.step()
     assert console.refused == "the machine has fallen over" and not console.walk.posing
 
 
 def test_an_unknown_posture_is_refused_and_changes_nothing():
     console = walking(60)
-    console.request(Pose("lie"))
-    console.tick()
+    console.request(TakePosture("lie"))
+    console.step()
     assert "unknown posture 'lie'; there are: sit, stand, standard" in console.refused
     assert console.command == WALK
 
 
 def test_a_hole_nobody_knew_of_under_a_foot_on_its_way_is_felt_and_the_feet_still_come_into_order():
     console = walking(130, 'sensing="none"')
-    console.request(Pose("standard"))
+    console.request(TakePosture("standard"))
     while not (console.mode is Mode.REGROUP and console.walk.plan.swing):
         run(console, 1)
     landing = console.walk.plan.landing
-    row, column = console.ground.cell_at(landing[0], landing[1])
-    reach = math.ceil(0.05 / console.ground.cell)
+    row, column = console.perception.ground.cell_at(landing[0], landing[1])
+    reach = math.ceil(0.05 / console.perception.ground.cell)
     console.request(
         Edit(
             "dig",
@@ -424,11 +427,11 @@ def test_a_hole_nobody_knew_of_under_a_foot_on_its_way_is_felt_and_the_feet_stil
 
 def test_pushed_aside_while_its_feet_are_put_in_order_it_begins_again_from_there():
     console = walking(130)
-    console.request(Pose("standard"))
+    console.request(TakePosture("standard"))
     run(console, 100)
     console.request(Push(900.0, 0.0, 8))
     for _ in range(20 * SECOND):
-        console.tick()
+        console.step()
         assert console.mode is not Mode.FALLEN
         if not console.walk.posing:
             break

@@ -8,10 +8,12 @@ import pytest
 from walking_console.planner.geometry.transforms import attitude_of
 from walking_console.planner.motion.body_tilt import LEVEL
 from walking_console.planner.types import Command, Mode
-from walking_console.sim.runs.recorder import Recorder, input_from
+from walking_console.sim.requests import Edit, Follow, Push, TakePosture, input_from
+from walking_console.sim.runs.recorder import Recorder
 from walking_console.sim.runs.runner import replay, run
 from walking_console.sim.scenario import ScenarioError, load_scenario, scenario_from
-from walking_console.sim.simulation import Edit, Follow, Pose, Push, Simulation, prepare
+from walking_console.sim.simulation import Simulation
+from walking_console.sim.world import prepare
 
 SPEED = 0.08  # m/s
 LOWEST = -0.001  # m of margin
@@ -57,7 +59,7 @@ class Hill:
     def tick(self, ticks=1):
         console, plant, walk = self.console, self.console.plant, self.console.walk
         for _ in range(ticks):
-            console.tick()
+            console.step()
             self.recorder.note()
             legs = console.world.machine.legs
             for leg in plant.carrying:
@@ -186,7 +188,7 @@ def test_the_operator_chooses_while_it_walks():
 def test_a_leaning_machine_levels_before_it_sits_down():
     hill = Hill(10, 0, "ground")
     hill.walk(6)
-    hill.console.request(Pose("sit"))
+    hill.console.request(TakePosture("sit"))
     hill.tick(600)
     assert hill.console.mode is Mode.SIT, hill.console.reason
     assert abs(hill.console.plant.body[4]) < 1e-6 and hill.console.walk.stance.lean == LEVEL
@@ -203,14 +205,14 @@ def test_a_hole_that_nobody_knew_of_is_met_leaning():
     hill = Hill(10, 0, "ground")
     hill.walk(8)
     before = dict(hill.console.walk.emergent)
-    hill.console.memory = None
+    hill.console.perception.mapper = None
     x, y, _ = (hill.console.walk.ready or hill.console.walk.plan).landing
-    belief = hill.console.belief
+    belief = hill.console.perception.belief
     row, column = belief.cell_at(x, y)
     cells = tuple((r, c) for r in range(row - 2, row + 3) for c in range(column - 2, column + 3))
     hill.console.request(Edit("dig", cells))
     hill.tick()
-    hill.console.belief = belief  # the map still shows what was there
+    hill.console.perception.belief = belief  # the map still shows what was there
     hill.walk(4)
     assert hill.console.walk.emergent.get("no ground", 0) > before.get("no ground", 0)
     assert hill.console.plant.state == "standing" and hill.recorder.margin_min >= LOWEST
@@ -256,7 +258,7 @@ def test_a_change_of_attitude_is_recorded_and_replayed():
     for tick in range(hill.console.tick_count):
         for _, one in (entry for entry in given if entry[0] == tick):
             again.order(one) if isinstance(one, Command) else again.request(one)
-        again.tick()
+        again.step()
         recorder.note()
     assert recorder.state_hash == hill.recorder.state_hash
     with pytest.raises(ValueError, match="there are: level, ground"):
@@ -278,7 +280,7 @@ def test_planners_that_walk_level_refuse_to_follow_the_ground(more):
         scenario_from({"name": "x", "attitude": "ground", **more})
     hill = Simulation(prepare(scenario_from({"name": "x", **more})))
     hill.request(Follow("ground"))
-    hill.tick()
+    hill.step()
     assert "predictive" in hill.refused and hill.snapshot().attitude == "level"
 
 

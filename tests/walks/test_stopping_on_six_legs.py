@@ -8,7 +8,8 @@ import pytest
 
 from walking_console.planner.types import Command
 from walking_console.sim.scenario import scenario_from
-from walking_console.sim.simulation import Simulation, prepare
+from walking_console.sim.simulation import Simulation
+from walking_console.sim.world import prepare
 
 LOWEST = -0.12  # m; a foot below has missed its foothold
 
@@ -45,7 +46,7 @@ def test_an_undecided_hand_never_drops_a_hexapod_into_a_hole(seed: int) -> None:
             )
             command = Command() if hand.random() < 0.35 else command
         console.order(command)
-        console.tick()
+        console.step()
         assert min(foot[2] for foot in console.plant.feet) > LOWEST
         assert console.plant.state == "standing"
     assert console.walk.steps_begun > 5
@@ -58,11 +59,11 @@ def test_feet_still_in_the_air_when_it_stands_are_not_meant_to_carry() -> None:
         console.walk.plan.phases[console.walk.playback.stretch(console.walk.t)] == phase
         for phase in (2,)
     ):
-        console.tick()
+        console.step()
     swinging = console.walk.plan.swing
     console.order(Command())
     for _ in range(200):
-        console.tick()
+        console.step()
     assert console.walk.kind == "stand" and swinging
     carrying = console.walk.carrying()
     assert all(sole for sole, carries in zip(console.plant.soles, carrying, strict=True) if carries)
@@ -75,13 +76,13 @@ def test_a_leg_that_waited_in_the_air_carries_again_once_it_is_set_down() -> Non
          "trace": {"kind": "sine"}}, None)))  # fmt: skip
     for _ in range(400):
         console.order(Command(speed=0.1))
-        console.tick()
+        console.step()
         if console.walk.kind == "step" and console.walk.stance.lifted:
             break
     assert console.walk.stance.lifted
     for _ in range(150):
         console.order(Command())
-        console.tick()
+        console.step()
     assert (
         console.walk.kind == "stand"
         and console.walk.stance.lifted == ()

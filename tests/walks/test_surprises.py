@@ -9,8 +9,10 @@ from walking_console.planner.control.contact_reflexes import TABLE, Event, State
 from walking_console.planner.stability import MARGIN_SLACK
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.types import Command, Mode
+from walking_console.sim.requests import Edit
 from walking_console.sim.scenario import load_scenario
-from walking_console.sim.simulation import HOLD, Edit, Simulation, prepare
+from walking_console.sim.simulation import HOLD, Simulation
+from walking_console.sim.world import prepare
 
 SLOW = Command(0.0, 0.05)
 
@@ -32,7 +34,7 @@ def states_met(console, command, ticks):
     met, console_states = set(), []
     console.order(command)
     for _ in range(ticks):
-        console.tick()
+        console.step()
         state = console.walk.encounter.state if console.walk.encounter else State.NORMAL
         if state not in met or not console_states or console_states[-1] is not state:
             console_states.append(state)
@@ -67,11 +69,11 @@ def test_a_hit_stops_the_body_within_one_tick_and_the_foot_goes_back_up_and_over
     console.order(SLOW)
     for _ in range(5000):
         before = console.plant.whiskers[:]
-        console.tick()
+        console.step()
         if any(console.plant.whiskers) and not any(before):
             break
     x = console.plant.body[0]
-    console.tick()  # the contact is sensed in this tick
+    console.step()  # the contact is sensed in this tick
     assert console.mode is Mode.EMERGENT
     assert console.plant.body[0] == pytest.approx(x, abs=1e-9)
     sequence = states_met(console, SLOW, 400)
@@ -86,10 +88,10 @@ def test_a_higher_obstacle_is_climbed_in_steps():
 
 def test_missing_ground_is_searched_below_marked_and_the_foot_put_elsewhere():
     console = blind("holes", "terrain.fraction=0.2")
-    begun = console.belief.forbidden.sum()
+    begun = console.perception.belief.forbidden.sum()
     sequence = states_met(console, SLOW, 4000)
     assert State.DESCEND in sequence and State.PLACE in sequence
-    assert console.belief.forbidden.sum() > begun
+    assert console.perception.belief.forbidden.sum() > begun
     assert console.walk.emergent.get("no ground", 0) > 0
 
 
@@ -104,8 +106,8 @@ def test_what_was_learnt_stays_learnt():
     console.order(SLOW)
     known = 0
     for _ in range(4000):
-        console.tick()
-        forbidden = int(console.belief.forbidden.sum())
+        console.step()
+        forbidden = int(console.perception.belief.forbidden.sum())
         assert forbidden >= known
         known = forbidden
 
@@ -113,21 +115,23 @@ def test_what_was_learnt_stays_learnt():
 def test_a_foothold_on_an_edge_is_left_again_and_a_strip_along_the_edge_is_marked():
     # here a foot comes down on the very edge of a step
     console = blind("stairs-up", "terrain.at=1.0")
-    begun = int(console.belief.forbidden.sum())
+    begun = int(console.perception.belief.forbidden.sum())
     met = set(states_met(console, SLOW, 1600))
     assert State.WITHDRAW in met
-    assert int(console.belief.forbidden.sum()) - begun > 6  # more than the cells under a sole
+    assert (
+        int(console.perception.belief.forbidden.sum()) - begun > 6
+    )  # more than the cells under a sole
 
 
 def test_a_foot_without_any_ground_waits_with_a_reason_and_goes_on_when_there_is_some():
     console = blind("flat")
     console.order(SLOW)
     while console.mode is not Mode.RETURN:
-        console.tick()
+        console.step()
     leg = console.walk.plan.swing[0]
     x, y, _ = console.walk.plan.landing
     standing = [foot[:2] for i, foot in enumerate(console.plant.feet) if i != leg]
-    ground = console.ground
+    ground = console.perception.ground
     row, column = ground.cell_at(x, y)
     hole = tuple(
         (r, c)
@@ -138,19 +142,19 @@ def test_a_foot_without_any_ground_waits_with_a_reason_and_goes_on_when_there_is
             for fx, fy in standing
         )
     )
-    belief = console.belief
+    belief = console.perception.belief
     console.request(Edit("dig", hole))
-    console.drain()
-    console.belief = belief  # the machine does not know
+    console.serve_requests()
+    console.perception.belief = belief  # the machine does not know
     for _ in range(1500):
-        console.tick()
+        console.step()
         if console.mode is Mode.BLOCKED:
             break
     assert console.walk.encounter.state is State.STRANDED
     assert "no ground within reach" in console.reason
     console.request(Edit("clear", hole))
     console.order(HOLD)
-    console.tick()
+    console.step()
     console.order(SLOW)
     states = states_met(console, SLOW, 1500)
     assert State.NORMAL in states

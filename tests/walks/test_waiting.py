@@ -8,7 +8,8 @@ from walking_console.planner.control.supervisor import PIECES_WANTED, WAIT_MAX
 from walking_console.planner.crab.planner import plan_step
 from walking_console.planner.types import Command
 from walking_console.sim.scenario import load_scenario
-from walking_console.sim.simulation import Simulation, prepare
+from walking_console.sim.simulation import Simulation
+from walking_console.sim.world import prepare
 
 WALK = Command(0.0, 0.08)
 
@@ -34,7 +35,7 @@ def ticks_to_the_first_step(pieces):
     console.walk.think, asked = thinker(console, pieces)
     console.order(WALK)
     for tick in range(1, 12):
-        console.tick()
+        console.step()
         if console.walk.kind == "step":
             return tick, len(asked)
     pytest.fail("it does not begin to walk")

@@ -22,7 +22,7 @@ from walking_console.sim.runs.runner import (
     run,
 )
 from walking_console.sim.scenario import load_scenario, scenario_from
-from walking_console.sim.simulation import prepare
+from walking_console.sim.world import prepare
 
 Array = NDArray[Any]
 

@@ -9,7 +9,8 @@ import pytest
 
 from walking_console.planner.types import Command, GaitPreview
 from walking_console.sim.scenario import scenario_from
-from walking_console.sim.simulation import Simulation, prepare
+from walking_console.sim.simulation import Simulation
+from walking_console.sim.world import prepare
 
 WALKED = Command(speed=0.1)
 
@@ -26,7 +27,7 @@ def walking(ticks: int, fraction: float = 0.1, **more: Any) -> Simulation:
     )
     for _ in range(ticks):
         console.order(WALKED)
-        console.tick()
+        console.step()
     return console
 
 
@@ -52,7 +53,7 @@ def test_a_joystick_walker_foresees_nothing_until_it_is_told_to_walk() -> None:
     assert console.snapshot().ahead is None
     for _ in range(60):
         console.order(WALKED)
-        console.tick()
+        console.step()
     assert any(foreseen(console).footholds)
 
 
@@ -98,7 +99,7 @@ def test_the_distance_on_the_trace_never_jumps_back_while_it_walks_on() -> None:
     console, before = walking(0, trace={"kind": "sine", "speed": 0.1}), 0.0
     for _ in range(600):
         console.order(WALKED)
-        console.tick()
+        console.step()
         course = console.snapshot().course
         assert course >= before - 0.02
         before = course

@@ -1,0 +1,98 @@
+"""How a ``Snapshot`` is taken of a ``Simulation``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from walking_console.planner import registry, stability
+from walking_console.planner.types import TICK
+
+from .snapshot import Snapshot
+
+if TYPE_CHECKING:
+    from walking_console.planner.control.supervisor import GaitSupervisor
+
+    from .simulation import Simulation
+
+
+def take_snapshot(
+    simulation: Simulation, *, paused: bool = False, rate: float = 1.0, late: float = 0.0
+) -> Snapshot:
+    """The world at this instant; ``paused``, ``rate`` and ``late`` are a clock's to say."""
+    world = simulation.world
+    return Snapshot(
+        tick=simulation.tick_count,
+        time=simulation.tick_count * TICK,
+        machine=world.machine,
+        scenario=world.scenario.name,
+        planner=world.scenario.planner,
+        planner_mode=world.scenario.mode,
+        command=simulation.command,
+        distance=simulation.distance,
+        mode=simulation.mode,
+        reason=simulation.reason,
+        terrain=simulation.perception.view(),
+        paused=paused,
+        rate=rate,
+        late=late,
+        **_plant_fields(simulation),
+        **_walk_fields(simulation.walk),
+        **_planner_fields(simulation),
+    )
+
+
+def _plant_fields(simulation: Simulation) -> dict[str, Any]:
+    """Where body and feet are, and how near the machine is to falling."""
+    plant = simulation.plant
+    carrying = simulation.walk.carrying()
+    margin, polygon_margin = simulation.margins(carrying)
+    body = tuple(plant.body)
+    feet = tuple((foot[0], foot[1], foot[2]) for foot in plant.feet)
+    standing = [foot for foot, carries in zip(feet, carrying, strict=True) if carries]
+    return {
+        "body": body,
+        "feet": feet,
+        "contact": tuple(plant.soles),
+        "support": carrying,
+        "whiskers": tuple(plant.whiskers),
+        "margin": margin,
+        "polygon_margin": polygon_margin,
+        "energy_margin": stability.energy_margin(standing, body[:3]),
+    }
+
+
+def _walk_fields(walk: GaitSupervisor) -> dict[str, Any]:
+    """The step that runs, and the one after it."""
+    stepping = walk.kind == "step"
+    return {
+        "speed": walk.speed,
+        "speed_max": walk.plan.speed_max if stepping else 0.0,
+        "step": walk.steps_begun,
+        "plan": walk.plan if walk.kind not in ("stand", "hover") else None,
+        "plan_time": walk.t,
+        "ready": walk.ready,
+        "flags": walk.flags,
+        "posture": walk.posture,
+        "decision": _decision(walk),
+    }
+
+
+def _planner_fields(simulation: Simulation) -> dict[str, Any]:
+    """What the planner says of itself, of its path, and of what is to come."""
+    walk = simulation.walk
+    running = walk.plan if walk.kind == "step" else None
+    x, y, z, _, _, yaw = simulation.plant.body
+    yaw_length = simulation.world.machine.yaw_length
+    return {
+        "course": registry.course_of(walk.think, walk.stance, running, (x, y, z, yaw), yaw_length),
+        "ahead": simulation.preview(running),
+        "attitude": registry.attitude_of(walk.think),
+    }
+
+
+def _decision(walk: GaitSupervisor) -> Mapping[str, Any] | None:
+    """Why the running step was chosen, or why there is none."""
+    if walk.blocked is not None:
+        return walk.blocked.decision
+    return walk.plan.decision if walk.kind != "stand" else None

@@ -1,0 +1,197 @@
+"""``Perception``: the true ground, and what the machine believes of it.
+
+With ``sensing = "known"`` the belief is the truth, and what a foot has learnt the hard way. With
+"eye" and "none" an ``ElevationMapper`` grows a map from what the range sensor sees and the feet
+touch.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from walking_console.planner.control.supervisor import GaitSupervisor, feet_absolute
+from walking_console.planner.geometry.transforms import left_fold_sum
+from walking_console.planner.terrain.map import TerrainMap, classify_again
+from walking_console.planner.terrain.mapping import ElevationMapper
+from walking_console.planner.types import Command, Sensing
+
+from .range_sensor import RangeSensor
+from .requests import Edit, edited, rows_and_columns
+from .snapshot import TerrainView
+from .terrain.ground import Ground
+from .world import World
+
+# rad; before it sets out the range sensor has looked everywhere
+ALL_ROUND = (0.0, 2 * math.pi / 3, -2 * math.pi / 3)
+# m around the start: ground the machine was set down on, known whatever the range sensor sees
+SET_DOWN = 1.2
+SENSOR_STREAM = 9  # of the scenario's seed: the range sensor draws from a generator of its own
+
+
+class Perception:
+    """The ground as it is and as it is believed to be, and how the one becomes the other.
+
+    ``revision`` counts what viewers must draw again; it goes on across a reset.
+    """
+
+    def __init__(self, world: World, body: Sequence[float], revision: int = 0) -> None:
+        self.world = world
+        self.ground = world.ground
+        self.belief = world.belief
+        self.true_forbidden = world.forbidden
+        # cells an operator has forbidden, whatever their height
+        self._marked = np.zeros_like(world.forbidden)
+        self.revision = revision
+        self._view: TerrainView | None = None
+        self.mapper: ElevationMapper | None = None
+        self.range_sensor: RangeSensor | None = None
+        self._steps_known = -1
+        if world.scenario.sensing != "known":
+            self._begin_to_map(world, body)
+
+    def _begin_to_map(self, world: World, body: Sequence[float]) -> None:
+        """Before the first tick only the ground the machine was set down on is known."""
+        scenario = world.scenario
+        self.mapper = mapper = _empty_mapper(world)
+        mapper.touch(world.stance.feet)
+        if scenario.sensing == "eye":
+            rng = np.random.default_rng([scenario.seed, SENSOR_STREAM])
+            self.range_sensor = RangeSensor(world.machine, world.ground, rng, scenario.eye)
+            x, y = world.stance.body[:2]
+            mapper.see(*disc(world.ground, x, y, SET_DOWN))
+            for direction in ALL_ROUND:
+                mapper.see(*self.range_sensor.scan(body, direction))
+        self._believe(mapper.publish())
+
+    def perceive(
+        self,
+        sensing: Sensing,
+        supervisor: GaitSupervisor,
+        body: Sequence[float],
+        command: Command,
+        tick: int,
+    ) -> None:
+        """What the feet touch and the range sensor sees goes into the map; planning gets a new one
+        at step switches and at rest.
+
+        Never in the middle of planning from a stand: it would begin anew at every scan.
+        """
+        mapper, sensor = self.mapper, self.range_sensor
+        if mapper is None:
+            return
+        scans = sensor is not None and tick % sensor.settings.every == 0
+        if sensor is not None and scans:
+            mapper.see(*sensor.scan(body, command.crab_angle))
+        if supervisor.steps_begun != self._steps_known:
+            self._steps_known = supervisor.steps_begun
+            _touch(mapper, sensing)
+        elif not (scans and _at_rest(supervisor, command)):
+            return
+        believed = mapper.publish()
+        if believed is not self.belief:
+            self._believe(believed)
+
+    def learn(self, cells: Iterable[tuple[int, int]]) -> None:
+        """Cells (row, column) a foot has found to be no ground: forbidden from now on."""
+        if self.mapper is None:
+            self._believe(self.belief.forbid(cells))
+            return
+        self.mapper.learn(cells)
+        self._believe(self.mapper.publish())
+
+    def edit(self, edit: Edit) -> None:
+        """Change the true ground; raises ``ValueError`` before anything has changed.
+
+        A machine that maps for itself is told only what is forbidden or cleared.
+        """
+        heights = edited(self.ground.heights, edit)
+        rows, columns = rows_and_columns(edit)
+        if edit.action in ("forbid", "clear"):
+            self._marked = self._marked.copy()
+            self._marked[rows, columns] = edit.action == "forbid"
+        self.ground = replace(self.ground, heights=heights)
+        self.true_forbidden = self._forbidden_after(edit) | self._marked
+        if self.mapper is not None:
+            self._hear_of(edit, self.mapper)
+            return
+        learnt = self.belief.forbidden & ~self.world.forbidden
+        learnt[rows, columns] = False
+        forbidden = self.true_forbidden | learnt
+        self._believe(replace(self.belief, heights=heights, forbidden=forbidden))
+
+    def _forbidden_after(self, edit: Edit) -> NDArray[np.bool_]:
+        heights = self.ground.heights
+        if self.ground.final:
+            return np.isnan(heights)
+        if not edit.cells:
+            return self.true_forbidden
+        machine = self.world.machine
+        return classify_again(heights, self.true_forbidden, self.ground.cell, machine, edit.cells)
+
+    def _hear_of(self, edit: Edit, mapper: ElevationMapper) -> None:
+        """The world has changed behind its back; only what is forbidden or cleared is told to it."""
+        if self.range_sensor is not None:
+            self.range_sensor.replace_ground(self.ground)
+        if edit.action == "forbid":
+            mapper.learn(edit.cells)
+        elif edit.action == "clear":
+            mapper.forget(edit.cells)
+        self._believe(mapper.publish())
+
+    def _believe(self, belief: TerrainMap) -> None:
+        self.belief = belief
+        self._view = None
+        self.revision += 1
+
+    def view(self) -> TerrainView:
+        """The ground as viewers draw it; a new revision only when something changed."""
+        if self._view is None:
+            belief = self.belief
+            self._view = TerrainView(
+                self.revision, self.ground.heights, belief.forbidden, belief.cell, belief.origin
+            )
+        return self._view
+
+
+def _empty_mapper(world: World) -> ElevationMapper:
+    """A map of the ground's cells with nothing known yet; unknown ground is level with the feet."""
+    ground = world.ground
+    feet = world.stance.feet
+    return ElevationMapper(
+        (ground.rows, ground.columns),
+        ground.cell,
+        ground.origin,
+        world.machine,
+        unknown=world.scenario.unknown,
+        final=ground.final,
+        level=left_fold_sum(foot[2] for foot in feet) / len(feet),
+    )
+
+
+def _touch(mapper: ElevationMapper, sensing: Sensing) -> None:
+    """Feet whose soles are on say how high the ground is."""
+    feet = zip(feet_absolute(sensing), sensing.soles, strict=True)
+    standing = [foot for foot, sole in feet if sole]
+    mapper.touch(standing)
+    if standing:
+        mapper.suppose(standing)
+
+
+def _at_rest(supervisor: GaitSupervisor, command: Command) -> bool:
+    blocked = supervisor.blocked is not None
+    return supervisor.kind == "stand" and (blocked or command.holds)
+
+
+def disc(
+    ground: Ground, x: float, y: float, radius: float
+) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.float64]]:
+    """Rows, columns and true heights of the cells whose centres are within ``radius`` of (x, y)."""
+    dx = ground.origin[0] + (np.arange(ground.columns) + 0.5) * ground.cell - x
+    dy = ground.origin[1] + (np.arange(ground.rows) + 0.5) * ground.cell - y
+    rows, columns = np.nonzero(np.hypot(dx[None, :], dy[:, None]) <= radius)
+    return rows, columns, ground.heights[rows, columns]

@@ -1,0 +1,116 @@
+"""``World``: a scenario made ready to walk in: its ground, its machine, the posture it begins in.
+
+Everything slow happens here, once, and outside the walking thread; a ``Simulation`` may then be
+begun in the same world as often as wanted.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from walking_console.planner import registry
+from walking_console.planner.geometry.paths import SampledPath
+from walking_console.planner.initial_stance import stance_on
+from walking_console.planner.robot.model import Machine, load_machine
+from walking_console.planner.terrain.map import TerrainMap, classify
+from walking_console.planner.types import Gait, Stance
+
+from .scenario import Scenario, ScenarioError
+from .terrain.ground import Ground, make_ground
+
+
+@dataclass(frozen=True)
+class World:
+    """A scenario with its machine on its ground, before the first tick. Frozen."""
+
+    scenario: Scenario
+    machine: Machine
+    gait: Gait
+    ground: Ground
+    belief: TerrainMap  # the true ground as a map: what a machine knows with sensing = "known"
+    forbidden: NDArray[np.bool_]  # (ny, nx) true ground, for this machine
+    stance: Stance
+    course: SampledPath | None = None  # the path a trace walker is given
+
+
+def prepare(
+    scenario: Scenario, machine: Machine | None = None, ground: Ground | None = None
+) -> World:
+    """Make a scenario's world.
+
+    ``machine`` and ``ground`` replace those the scenario names: what a recorded run brings along.
+    Raises ``MachineError``, ``GroundError`` or ``ScenarioError`` with one clear line.
+    """
+    machine = machine or load_machine(scenario.robot, scenario.base)
+    gait = scenario.gait_for(machine)
+    course = given_trace(scenario, machine)
+    if ground is None:
+        ground = ground_for(scenario, machine, gait)
+    forbidden = true_forbidden(ground, machine)
+    belief = TerrainMap(ground.heights, forbidden, ground.cell, ground.origin, machine.foot_radius)
+    stance = stance_at_start(scenario, machine, gait, ground.height_at)
+    return World(scenario, machine, gait, ground, belief, forbidden, stance, course)
+
+
+def ground_for(scenario: Scenario, machine: Machine, gait: Gait) -> Ground:
+    """The ground a scenario names, large enough for its course. Raises ``GroundError``."""
+    posture = stance_at_start(scenario, machine, gait, lambda x, y: 0.0)
+    return make_ground(
+        scenario.terrain,
+        machine,
+        scenario.start_pose,
+        scenario.seed,
+        scenario.span(machine),
+        scenario.base,
+        stand=[foot[:2] for foot in posture.feet],
+    )
+
+
+def given_trace(scenario: Scenario, machine: Machine) -> SampledPath | None:
+    """The scenario's trace, sampled; None without one. Raises ``ScenarioError``."""
+    if scenario.trace is None:
+        return None
+    try:
+        return registry.drawn_trace(scenario.trace.model_dump(), machine, scenario.start_pose)
+    except registry.PlannerError as error:
+        raise ScenarioError(f"trace: {error}") from None
+
+
+def stance_at_start(
+    scenario: Scenario, machine: Machine, gait: Gait, height_at: Callable[[float, float], float]
+) -> Stance:
+    """The posture a scenario begins in: that of its planner, or its own feet.
+
+    ``height_at`` is the ground under (x, y) in metres. Raises ``ScenarioError``.
+    """
+    pose = scenario.start_pose
+    if scenario.start.feet is None:
+        crab_angle = first_crab_angle(scenario)
+        return registry.start_stance(
+            scenario.planner, machine, gait, crab_angle, pose, height_at, scenario.mode
+        )
+    try:
+        return stance_on(machine, gait, scenario.start.feet, *pose, height_at)
+    except ValueError as error:
+        raise ScenarioError(f"start.feet: {error}") from None
+
+
+def first_crab_angle(scenario: Scenario) -> float:
+    """Crab angle α of the first command, rad: the standard posture at the start is that of the
+    first course. 0 where no command is given.
+    """
+    return math.radians(scenario.drive[0].crab_angle_deg) if scenario.drive else 0.0
+
+
+def true_forbidden(ground: Ground, machine: Machine) -> NDArray[np.bool_]:
+    """Where this machine must not step on the true ground (ny, nx); on ``final`` ground exactly the
+    holes.
+    """
+    if ground.final:
+        return np.isnan(ground.heights)
+    return classify(ground.heights, ground.cell, machine)
