@@ -56,13 +56,6 @@ class Gait:
     # eased swing phases (H §11 (3)); False: constant velocity between knots, as printed
     smooth: bool = True
 
-    @property
-    def peak(self) -> float:
-        """κ, peak over mean speed of a swing phase: limits are divided by it so that no foot
-        exceeds them.
-        """
-        return 1.25 if self.smooth else 1.0
-
 
 class Phase(IntEnum):
     """What the swing legs do on one stretch of a plan: H table 3, and the four-leg shift that has

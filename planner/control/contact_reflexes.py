@@ -20,6 +20,7 @@ from typing import NamedTuple
 
 from ..motion.foot_placement import settle_plan
 from ..motion.step_builder import body_still_plan
+from ..motion.swing import swing_speeds
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
 from ..types import Blocked, Gait, Phase, Point, Stance, StepPlan
@@ -193,9 +194,8 @@ def _moved(
     at: Situation, leg: int, knots: list[Point], phases: tuple[Phase, ...], share: float
 ) -> StepPlan:
     """The foot along ``knots`` at a ``share`` of its swing speed."""
-    across, vertical = (
-        share * limit / at.gait.peak for limit in (min(at.machine.speed[:2]), at.machine.speed[2])
-    )
+    ahead, left, vertical = swing_speeds(at.machine, at.gait, share)
+    across = min(ahead, left)
     points = [at.here.feet[leg], *knots]
     seconds = tuple(
         max(math.hypot(b[0] - a[0], b[1] - a[1]) / across, abs(b[2] - a[2]) / vertical)

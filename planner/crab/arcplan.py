@@ -9,14 +9,24 @@ pieces of 0.02 rad are within 0.03 mm of the arc.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
 from ..geometry.paths import ArcPath, arc_exit
-from ..motion.body_height import CLEARANCE, height_range, lift, torso_needs, torso_needs_exactly
+from ..motion.body_height import height_range, torso_needs, torso_needs_exactly
 from ..motion.step_builder import FootKnot, plan_of_one_foot, plan_on_all_feet
-from ..motion.timing import BACK_MIN, EASED, EVEN, Swing
+from ..motion.swing import (
+    CLEARANCE,
+    Profile,
+    SwingCorners,
+    between,
+    lift,
+    peak,
+    profile_of,
+    stairs,
+    swing_speeds,
+)
+from ..motion.timing import BACK_MIN
 from ..robot.collision import leg_in_the_way, something_tall
 from ..robot.model import Machine
 from ..stability import XY, polygon_margin, support_polygon
@@ -60,7 +70,9 @@ def swing_time(machine: Machine, gait: Gait, circular: Circular) -> float:
     reach = circular.stride * (1.0 + circular.swing_share)
     rates = [_rate(circular.arc, x, y) for x, y in circular.centres]
     fastest = max(max(rx / machine.speed[0], ry / machine.speed[1]) for rx, ry in rates)
-    return gait.peak * ((gait.lift_up + gait.lift_down) / machine.speed[2] + reach * fastest)
+    return peak(profile_of(gait)) * (
+        (gait.lift_up + gait.lift_down) / machine.speed[2] + reach * fastest
+    )
 
 
 def _rate(arc: ArcPath, x: float, y: float) -> XY:
@@ -237,7 +249,7 @@ def swing_plan(
     )
     path = BodyOnArc(stance, circular.arc, move.g0, move.g, height)
     clock = _clock(rises, move, path, corners, pace)
-    rows, phases = _knots(path, clock, corners, leg, gait.smooth)
+    rows, phases = _knots(path, clock, corners, profile_of(gait))
     still = 0 if move.g >= useful else stance.still + 1
     ends = tuple(landing if i == leg else foot for i, foot in enumerate(stance.feet))
     start_x, start_y = (
@@ -326,12 +338,12 @@ def _margin(path: BodyOnArc, stance: Stance, leg: int) -> float:
     return least
 
 
-def _clock(rises: Rises, move: Move, path: BodyOnArc, corners: Swing, pace: float) -> Clock:
+def _clock(rises: Rises, move: Move, path: BodyOnArc, corners: SwingCorners, pace: float) -> Clock:
     """The fastest clock that keeps every limit, or the commanded pace: H §7 with the displacement
     taken in turning body axes.
     """
     machine, gait, circular = rises.machine, rises.gait, rises.circular
-    vx, vy, vz = (ROUNDING * limit / gait.peak for limit in machine.speed)
+    vx, vy, vz = swing_speeds(machine, gait, ROUNDING)
     stand, top, over, aim = corners
     g_u = move.g - move.g0
     climbs = abs(path.climb) / move.g if move.g > STILL else 0.0
@@ -391,7 +403,7 @@ def _standing(rises: Rises, climbs: float) -> float:
 Knots = tuple[list[FootKnot], list[Phase]]
 
 
-def _knots(path: BodyOnArc, clock: Clock, corners: Swing, leg: int, smooth: bool) -> Knots:
+def _knots(path: BodyOnArc, clock: Clock, corners: SwingCorners, profile: Profile) -> Knots:
     """The step as knots: up and down vertical in the absolute frame, the return a straight line in
     the turning body axes.
     """
@@ -414,10 +426,10 @@ def _knots(path: BodyOnArc, clock: Clock, corners: Swing, leg: int, smooth: bool
         gone = (g - g0) * duration / total
         share = duration / total
         from_b, to_b = path.seen(a, way, spent), path.seen(b, way + gone, spent + share)
-        for tau, eased in _profile(smooth, _pieces(path.arc, gone)):
+        for tau, eased in stairs(profile, _pieces(path.arc, gone)):
             body = path.at(way + tau * gone, spent + tau * share)
             if phase is Phase.RETURN:
-                foot = absolute(body, _between(from_b, to_b, eased))
+                foot = absolute(body, between(from_b, to_b, eased))
             else:
                 foot = a[0], a[1], a[2] + eased * (b[2] - a[2])
             rows.append((begin + tau * duration, body, foot))
@@ -431,17 +443,3 @@ def _knots(path: BodyOnArc, clock: Clock, corners: Swing, leg: int, smooth: bool
 def _pieces(arc: ArcPath, way: float) -> int:
     """Into how many straight lines a stretch of an arc is cut."""
     return max(1, math.ceil(abs(arc.turn) * way / KNOT_TURN))
-
-
-def _profile(smooth: bool, pieces: int) -> Iterator[tuple[float, float]]:
-    """Share of the time and of the way: the stairs of speed, cut finely enough."""
-    before, done = 0.0, 0.0
-    for tau, eased in EASED if smooth else EVEN:
-        count = max(1, math.ceil(pieces * (tau - before)))
-        for k in range(1, count + 1):
-            yield before + (tau - before) * k / count, done + (eased - done) * k / count
-        before, done = tau, eased
-
-
-def _between(a: Point, b: Point, share: float) -> Point:
-    return a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]), a[2] + share * (b[2] - a[2])

@@ -9,16 +9,15 @@ from functools import cached_property, lru_cache
 
 from ..geometry.paths import line_exit
 from ..motion.body_height import (
-    CLEARANCE,
     body_height,
     ground_ahead,
     height_range,
-    lift,
     torso_needs,
     torso_needs_exactly,
 )
 from ..motion.step_builder import plan_of_one_foot
-from ..motion.timing import Swing, Timing, knots, speed_limit, timing
+from ..motion.swing import CLEARANCE, SwingCorners, lift, profile_of, swing_speeds
+from ..motion.timing import Timing, knots, speed_limit, timing
 from ..robot.collision import leg_in_the_way, something_tall
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
@@ -297,7 +296,7 @@ def build(
     )
     clock = _clock(standard, posture, step, swing, height - z, command, machine, gait)
     rows, phases = knots(
-        clock, gait.smooth, ((x, y, z), (end_x, end_y, height)), step.g0, step.g, swing
+        clock, profile_of(gait), ((x, y, z), (end_x, end_y, height)), step.g0, step.g, swing
     )
     feet = list(stance.feet)
     feet[leg] = landing
@@ -351,7 +350,7 @@ def _clock(
     standard: Standard,
     posture: Posture,
     step: Step,
-    swing: Swing,
+    swing: SwingCorners,
     climb: float,
     command: Command,
     machine: Machine,
@@ -387,8 +386,7 @@ def _cruise(
 ) -> float:
     """v_max of the standard step on level ground, m/s."""
     g = (1.0 - duty_factor) / duty_factor * stride
-    peak = gait.peak
-    limits = machine.speed[0] / peak, machine.speed[1] / peak, machine.speed[2] / peak
+    limits = swing_speeds(machine, gait)
     way = stride + g
     return speed_limit(
         (way * course[0], way * course[1], 0.0),

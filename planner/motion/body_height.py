@@ -11,11 +11,8 @@ import numpy as np
 
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
-from ..types import Gait, Point
-from .timing import Swing
-
-# m between a lifted foot, or the torso, and the highest ground under its way; less: see it scuff
-CLEARANCE = 0.02
+from ..types import Point
+from .swing import CLEARANCE
 
 
 def ground_ahead(left: Point, right: Point, ux: float, uy: float) -> tuple[float, float]:
@@ -83,31 +80,3 @@ def torso_needs_exactly(
     heights = terrain.heights[rows[inside], columns[inside]]
     solid = heights[~np.isnan(heights)]
     return (float(solid.max()) if solid.size else -math.inf) + machine.torso[2] / 2 + CLEARANCE
-
-
-def lift(
-    foot: Point,
-    landing: Point,
-    crest: float,
-    ceiling: float,
-    height: float,
-    machine: Machine,
-    gait: Gait,
-) -> Swing:
-    """The corners of the swing: standing, lifted, above the landing point, and the aim h_up below
-    it (H §4.5, fig. 8).
-
-    The lift clears the crest under the way; it is cut where the leg cannot be drawn higher, the aim
-    where it cannot reach lower.
-    """
-    clear = crest + CLEARANCE
-    top = max(min(max(foot[2] + gait.lift_up, clear), ceiling), foot[2])
-    over = max(min(max(landing[2] + gait.lift_up, clear), ceiling), landing[2])
-    lowest = height + machine.z_range[0] - machine.overreach[2]
-    aim = max(landing[2] + gait.lift_up - gait.lift_down, min(lowest, landing[2]))
-    return (
-        foot,
-        (foot[0], foot[1], top),
-        (landing[0], landing[1], over),
-        (landing[0], landing[1], aim),
-    )

@@ -18,6 +18,7 @@ from ..robot.model import Leg, Machine
 from ..terrain.map import TerrainMap
 from ..types import Blocked, Gait, Phase, Point, Stance, StepPlan
 from .step_builder import body_still_plan, plan_from_knots
+from .swing import aim_of, swing_speeds
 
 CLEARANCE = 0.03  # m above the highest ground on the way; smaller and toes scrape
 
@@ -36,14 +37,15 @@ def settle_plan(
         return Blocked("no ground within reach to set the lifted foot down", leg)
     foot = stance.feet[leg]
     top = max(foot[2], terrain.crest_between(foot[0], foot[1], landing[0], landing[1]) + CLEARANCE)
-    across, vertical = min(machine.speed[:2]) / gait.peak, machine.speed[2] / gait.peak
+    ahead, left, vertical = swing_speeds(machine, gait)
+    across = min(ahead, left)
     moved = math.hypot(landing[0] - foot[0], landing[1] - foot[1])
     if moved < 1e-6:
         top = foot[2]
     knots: list[Point] = [
         (foot[0], foot[1], top),
         (landing[0], landing[1], top),
-        _aim(landing, machine, stance, leg, gait),
+        aim_of(landing, stance.body[2], leg, machine, gait),
     ]
     seconds = ((top - foot[2]) / vertical, moved / across, (top - knots[2][2]) / vertical)
     return body_still_plan(
@@ -172,9 +174,3 @@ def _in_body(x: float, y: float, body: tuple[float, float, float, float]) -> tup
     c, s = math.cos(body[3]), math.sin(body[3])
     x, y = x - body[0], y - body[1]
     return c * x + s * y, c * y - s * x
-
-
-def _aim(landing: Point, machine: Machine, stance: Stance, leg: int, gait: Gait) -> Point:
-    """h_up below the expected ground, as far as the mechanical reach goes: touch decides (H §4.5)."""
-    bottom = stance.body[2] + machine.legs[leg].z[0] - machine.overreach[2]
-    return landing[0], landing[1], min(landing[2], max(landing[2] - gait.lift_up, bottom))

@@ -22,9 +22,9 @@ from ..robot.model import Machine
 from ..stability import XY, Polygon, polygon_margin, support_polygon
 from ..terrain.map import TerrainMap
 from ..types import TICK, Blocked, Gait, Phase, Point, Stance, StepPlan
-from .body_height import CLEARANCE, lift, torso_needs, torso_needs_exactly
+from .body_height import torso_needs, torso_needs_exactly
 from .step_builder import body_still_plan, changed, holding_plan, plan_on_all_feet
-from .timing import EASED, EVEN
+from .swing import CLEARANCE, lift, profile_of, swing_speeds
 
 THERE = 0.01  # m; a foot this near its place stays; smaller: see feet lifted and put back
 LINE = 1e-9  # m²; an area of less is a line
@@ -146,7 +146,7 @@ def _moved(stance: Stance, places: Sequence[Point], machine: Machine, gait: Gait
     """
     x, y, z, yaw = stance.body
     times, rows = [0.0], [stance.body]
-    vx, vy, vz = (limit / gait.peak for limit in machine.speed)
+    vx, vy, vz = swing_speeds(machine, gait)
     c, s = math.cos(yaw), math.sin(yaw)
     for px, py, pz in places:
         ahead, left, up = c * (px - x) + s * (py - y), c * (py - y) - s * (px - x), pz - z
@@ -158,7 +158,7 @@ def _moved(stance: Stance, places: Sequence[Point], machine: Machine, gait: Gait
         if math.hypot(ahead, left, up) < STILL:
             continue
         begun = times[-1]
-        for tau, share in EASED if gait.smooth else EVEN:
+        for tau, share in profile_of(gait):
             times.append(begun + tau * seconds)
             rows.append((x + share * (px - x), y + share * (py - y), z + share * (pz - z), yaw))
         x, y, z = px, py, pz
@@ -541,7 +541,7 @@ class _Regrouping:
         )
         ceiling = z + machine.legs[leg].z[1] + machine.overreach[2]
         corners = lift(foot, landing, crest, ceiling, z, machine, gait)
-        vx, vy, vz = (limit / gait.peak for limit in machine.speed)
+        vx, vy, vz = swing_speeds(machine, gait)
         c, s = self.c, self.s
         _, top, over, aim = corners
         dx, dy = landing[0] - foot[0], landing[1] - foot[1]

@@ -14,17 +14,7 @@ from typing import NamedTuple
 
 from ..robot.model import Machine
 from ..types import TICK, Gait, Phase, Point
-
-EVEN: tuple[tuple[float, float], ...] = ((1.0, 1.0),)
-# Eased motion as stairs of constant speed: 1/4, 3/4, then 1 of the peak, mirrored; peak / mean =
-# 1.25 = Gait.peak (H §11 (3)).
-EASED: tuple[tuple[float, float], ...] = (
-    (0.1, 0.03125),
-    (0.2, 0.125),
-    (0.8, 0.875),
-    (0.9, 0.96875),
-    (1.0, 1.0),
-)
+from .swing import Profile, SwingCorners, peak, profile_of, swing_speeds
 
 BACK_MIN = TICK  # s, one tick of Level C: no return phase is shorter
 WAIT_SHARE = 0.2  # of V_z at which a waiting body changes height
@@ -32,8 +22,6 @@ WAIT_SHARE = 0.2  # of V_z at which a waiting body changes height
 CLIMB_SHARE = 0.5
 
 Knot = tuple[float, Point, Point]  # s from N_k; body x, y, z; swing foot x, y, z
-# the foot standing, lifted, above its landing point, and at what it aims for
-Swing = tuple[Point, Point, Point, Point]
 
 
 class Timing(NamedTuple):
@@ -106,8 +94,8 @@ def timing(
     mechanical reach. ``cruise`` gives v_max of the standard step: the four-leg phase goes on at it
     when the swing is slower.
     """
-    peak = gait.peak
-    limits = machine.speed[0] / peak, machine.speed[1] / peak, machine.speed[2] / peak
+    limits = swing_speeds(machine, gait)
+    kappa = peak(profile_of(gait))
     g_u = g - g0
     standing = speed_standing(n, limits)
     sinking = 0.0 if g > 0.0 or climb == 0.0 else WAIT_SHARE * limits[2]  # |v_Gz|
@@ -115,7 +103,7 @@ def timing(
     # the body's own climb slows the lift, and the slower lift the climb: the second pass is
     # feasible
     for _ in range(2):
-        lift = (machine.speed[2] - sinking) / peak
+        lift = (machine.speed[2] - sinking) / kappa
         up, down = rise / lift, drop / lift
         if g_u <= 0.0:
             break
@@ -149,7 +137,12 @@ def timing(
 
 
 def knots(
-    clock: Timing, smooth: bool, body: tuple[Point, Point], g0: float, g: float, swing: Swing
+    clock: Timing,
+    profile: Profile,
+    body: tuple[Point, Point],
+    g0: float,
+    g: float,
+    swing: SwingCorners,
 ) -> tuple[list[Knot], list[Phase]]:
     """The step as knots and the phase of every stretch between them.
 
@@ -162,7 +155,7 @@ def knots(
     stand, top, over, aim = swing
     out: list[Knot] = [(0.0, body[0], stand)]
     phases: list[Phase] = []
-    t, profile = clock.support, EASED if smooth else EVEN
+    t = clock.support
     if clock.support > 0.0:
         out.append((t, (x0 + share0 * dx, y0 + share0 * dy, z0 + share0 * dz), stand))
         phases.append(Phase.SUPPORT)

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from ..crab.gait import kept
 from ..geometry.paths import Box
-from ..motion.body_height import CLEARANCE
+from ..motion.swing import CLEARANCE
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
 from ..types import Stance

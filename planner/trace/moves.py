@@ -15,14 +15,23 @@ from typing import Any
 
 import numpy as np
 
+from ..geometry.transforms import Body, point_placed, point_seen
 from ..motion.step_builder import plan_from_knots
+from ..motion.swing import (
+    aim_of,
+    between,
+    carry_height,
+    peak,
+    profile_of,
+    swing_speeds,
+    waiting_place,
+)
 from ..robot.model import Machine
 from ..stability import longitudinal_margin, polygon_margin, support_polygon
 from ..terrain.map import TerrainMap
 from ..types import Gait, Phase, Point, Stance, StepPlan
 from .reachability import AIR, Feet, Field, first_bit, span
 from .state_search import Path
-from .transfer import Pose, aim_of, carry_height, placed_by, seen_from, waiting_place
 
 TOGETHER = 3  # legs at most in the air at once by choice, K: k = 1, 2, 3
 KNOT = 1 / 16  # body lengths of s between knots at most; wider shows as corners on a curve
@@ -40,10 +49,10 @@ class Move:
     legs: tuple[int, ...]
     before: tuple[Point | None, ...]  # feet on the ground before, None in the air
     after: tuple[Point | None, ...]
-    shift: tuple[Pose, ...]  # the body's way with all these feet down; at least one pose
-    rise: tuple[Pose, ...]  # while the legs are raised
-    carry: tuple[Pose, ...]  # while they are carried
-    lower: tuple[Pose, ...]  # while they are lowered
+    shift: tuple[Body, ...]  # the body's way with all these feet down; at least one pose
+    rise: tuple[Body, ...]  # while the legs are raised
+    carry: tuple[Body, ...]  # while they are carried
+    lower: tuple[Body, ...]  # while they are lowered
     course: float  # s on the trace at the end, m
     # existence segment of each foothold after, s on the trace, m
     segments: tuple[tuple[float, float] | None, ...]
@@ -288,7 +297,7 @@ def _way(field: Field, mask: int, start: int, end: int) -> list[int]:
     return way[::-1]
 
 
-def _pose(field: Field, sample: int) -> Pose:
+def _pose(field: Field, sample: int) -> Body:
     r, k = divmod(sample, field.width)
     lane = field.lane
     return float(lane.x[r, k]), float(lane.y[r, k]), float(lane.z[k]), float(lane.yaw[k])
@@ -297,16 +306,16 @@ def _pose(field: Field, sample: int) -> Pose:
 # times
 
 
-def _length(poses: Sequence[Pose], yaw_length: float) -> float:
+def _length(poses: Sequence[Body], yaw_length: float) -> float:
     return sum(_apart(a, b, yaw_length) for a, b in zip(poses, poses[1:], strict=False))
 
 
-def _apart(a: Pose, b: Pose, yaw_length: float) -> float:
+def _apart(a: Body, b: Body, yaw_length: float) -> float:
     return math.sqrt((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2 + (yaw_length * (b[3] - a[3])) ** 2)
 
 
-def _part(poses: Sequence[Pose], start: float, end: float, machine: Machine) -> list[Pose]:
-    """Poses from ``start`` to ``end`` metres along a way, both ends included, knots no wider apart
+def _part(poses: Sequence[Body], start: float, end: float, machine: Machine) -> list[Body]:
+    """Bodys from ``start`` to ``end`` metres along a way, both ends included, knots no wider apart
     than needed.
     """
     marks = [0.0]
@@ -326,7 +335,7 @@ def body_pace_max(machine: Machine, gait: Gait) -> float:
     """ds/dt at which a standing foot, seen from the body, reaches V/κ at most: straight on, to the
     side or turning.
     """
-    return 0.9 * min(machine.speed[0], machine.speed[1]) / gait.peak / math.sqrt(2.0)
+    return 0.9 * min(machine.speed[0], machine.speed[1]) / peak(profile_of(gait)) / math.sqrt(2.0)
 
 
 @dataclass(slots=True)
@@ -334,11 +343,11 @@ class _Knots:
     """Knots of a step in the making."""
 
     times: list[float]
-    body: list[Pose]
+    body: list[Body]
     feet: list[tuple[Point, ...]]
     phases: list[Phase]
 
-    def go(self, poses: Sequence[Pose], seconds: float, phase: Phase, feet_at: Any) -> None:
+    def go(self, poses: Sequence[Body], seconds: float, phase: Phase, feet_at: Any) -> None:
         """One phase: the body along ``poses`` at an even pace, the feet as ``feet_at(part, pose)``
         has them.
         """
@@ -359,7 +368,7 @@ def step_plan(
 ) -> StepPlan:
     """One move as a step from ``stance``, at ``pace`` (ds/dt, m/s) or as fast as the legs can."""
     rho = machine.yaw_length
-    limits = tuple(v / gait.peak for v in machine.speed)
+    limits = swing_speeds(machine, gait)
     top = body_pace_max(machine, gait)
     lifted = stance.lifted
     resting = _carried_b(stance)
@@ -378,9 +387,9 @@ def step_plan(
     knots = _Knots([0.0], [stance.body], [stance.feet], [])
     still = list(stance.feet)
 
-    def standing(part: float, pose: Pose) -> tuple[Point, ...]:
+    def standing(part: float, pose: Body) -> tuple[Point, ...]:
         return tuple(
-            placed_by(pose, resting[leg]) if leg in resting else foot
+            point_placed(pose, resting[leg]) if leg in resting else foot
             for leg, foot in enumerate(still)
         )
 
@@ -423,7 +432,7 @@ def step_plan(
 
 def _carried_b(stance: Stance) -> dict[int, Point]:
     """Feet in the air, in body axes: they go with the body until their turn comes."""
-    return {leg: seen_from(stance.body, stance.feet[leg]) for leg in stance.lifted}
+    return {leg: point_seen(stance.body, stance.feet[leg]) for leg in stance.lifted}
 
 
 class _Swing:
@@ -466,7 +475,7 @@ class _Swing:
             + self.machine.overreach[2]
         )
         if move.before[leg] is None:
-            self.from_air[leg] = resting.get(leg, seen_from(start, foot))
+            self.from_air[leg] = resting.get(leg, point_seen(start, foot))
         if landing is None:
             self.to_air[leg] = waiting_place(self.machine, leg, self.gait, terrain)
             top = carry_height(foot, foot, terrain, self.gait) if terrain.is_level else ceiling
@@ -500,9 +509,9 @@ class _Swing:
             a = (
                 self.from_air[leg]
                 if leg in self.from_air
-                else seen_from(after_up, self.raised[leg])
+                else point_seen(after_up, self.raised[leg])
             )
-            b = self.to_air[leg] if leg in self.to_air else seen_from(before_down, self.over[leg])
+            b = self.to_air[leg] if leg in self.to_air else point_seen(before_down, self.over[leg])
             need = max(need, *(abs(q - p) / v for p, q, v in zip(a, b, self.limits, strict=True)))
         way = max(length - up_way - down_way, 0.0)
         carried = max(need, way / top, length / pace - self.up - self.down)
@@ -533,38 +542,38 @@ class _Timed:
             start_b[leg] = (
                 swing.from_air[leg]
                 if leg in swing.from_air
-                else seen_from(after_up[-1], swing.raised[leg])
+                else point_seen(after_up[-1], swing.raised[leg])
             )
             end_b[leg] = (
-                swing.to_air[leg] if leg in swing.to_air else seen_from(carry[-1], swing.over[leg])
+                swing.to_air[leg] if leg in swing.to_air else point_seen(carry[-1], swing.over[leg])
             )
 
         def feet(leg_at: Any) -> Any:
-            def at(part: float, pose: Pose) -> tuple[Point, ...]:
+            def at(part: float, pose: Body) -> tuple[Point, ...]:
                 out = []
                 for leg, foot in enumerate(still):
                     if leg in move.legs:
                         out.append(leg_at(leg, part, pose))
                     else:
                         out.append(
-                            placed_by(pose, swing.resting[leg]) if leg in swing.resting else foot
+                            point_placed(pose, swing.resting[leg]) if leg in swing.resting else foot
                         )
                 return tuple(out)
 
             return at
 
-        def rising(leg: int, part: float, pose: Pose) -> Point:
+        def rising(leg: int, part: float, pose: Body) -> Point:
             if leg not in swing.raised or leg in swing.from_air:
-                return placed_by(pose, start_b[leg])
-            return _between(still[leg], swing.raised[leg], part)
+                return point_placed(pose, start_b[leg])
+            return between(still[leg], swing.raised[leg], part)
 
-        def returning(leg: int, part: float, pose: Pose) -> Point:
-            return placed_by(pose, _between(start_b[leg], end_b[leg], part))
+        def returning(leg: int, part: float, pose: Body) -> Point:
+            return point_placed(pose, between(start_b[leg], end_b[leg], part))
 
-        def lowering(leg: int, part: float, pose: Pose) -> Point:
+        def lowering(leg: int, part: float, pose: Body) -> Point:
             if leg not in swing.over:
-                return placed_by(pose, end_b[leg])
-            return _between(swing.over[leg], swing.aims[leg], part)
+                return point_placed(pose, end_b[leg])
+            return between(swing.over[leg], swing.aims[leg], part)
 
         knots.go(after_up, swing.up, Phase.UP, feet(rising))
         knots.go(
@@ -574,10 +583,6 @@ class _Timed:
             feet(returning),
         )
         knots.go(lower, swing.down, Phase.DOWN, feet(lowering))
-
-
-def _between(a: Point, b: Point, part: float) -> Point:
-    return a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1]), a[2] + part * (b[2] - a[2])
 
 
 def _least_margin(knots: _Knots, air: tuple[int, ...], lifted: tuple[int, ...]) -> float:

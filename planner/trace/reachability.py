@@ -18,11 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.paths import EDGE, Box
+from ..motion.swing import CLEARANCE
 from ..robot.model import Machine
 from ..stability import MARGIN_SLACK
 from ..terrain.map import TerrainMap
 from ..types import Array, Point
-from .transfer import CLEARANCE
 
 MARGIN = 0.01  # m, least stability margin planned for
 CHUNK = 64  # samples looked at together: wider wastes work on footholds far away

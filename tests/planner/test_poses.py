@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from tests.sweeps.postures import MACHINES, gait_of, ground_of, random_stance
-from walking_console.planner.motion.body_height import CLEARANCE
 from walking_console.planner.motion.postures import GIVE, STILL, THERE, Poses, regroup, sit, stand
+from walking_console.planner.motion.swing import CLEARANCE
 from walking_console.planner.registry import start_stance
 from walking_console.planner.robot.model import Machine, load_machine
 from walking_console.planner.search import in_one_go

@@ -10,15 +10,14 @@ import pytest
 from crab_walks import TITAN, command, gait, walk
 
 from walking_console.planner.crab.planner import cruise_speed
+from walking_console.planner.motion.swing import EASED
 from walking_console.planner.motion.timing import (
-    EASED,
-    EVEN,
     axis_limit,
     knots,
     speed_limit,
     timing,
 )
-from walking_console.planner.types import Gait, Phase
+from walking_console.planner.types import Phase
 
 TAU = 0.3 / 0.8  # h_up and h_dwn at V_z
 # D and n of the standard front step straight ahead, β = 0.8
@@ -108,16 +107,6 @@ def test_v_max_is_the_first_speed_at_which_a_limit_is_reached(seed):
         assert load(v) == pytest.approx(1.0)
 
 
-def test_the_eased_profile_has_the_peak_the_limits_are_divided_by():
-    taus, ways = np.array([(0.0, 0.0), *EASED]).T
-    rates = np.diff(ways) / np.diff(taus)
-    assert ways[-1] == 1.0 and rates.max() == pytest.approx(Gait(0.8, 0.1, 0.2, 0.85).peak)
-    assert list(rates[:3]) == sorted(rates[:3]) and list(rates[2:]) == sorted(
-        rates[2:], reverse=True
-    )
-    assert EVEN == ((1.0, 1.0),)
-
-
 def test_when_the_body_waits_the_return_time_comes_from_the_leg_alone():
     n, room = (1.0, 0.0, 0.0), (0.05, 0.05)
     # (13b)
@@ -198,7 +187,7 @@ def test_the_knots_join():
         lambda: 0.1,
     )
     swing = (0.1, 0.4, 0.0), (0.1, 0.4, 0.15), (0.5, 0.5, 0.2), (0.5, 0.5, 0.0)
-    rows, phases = knots(clock, True, ((0.0, 0.0, 0.8), (0.15, 0.0, 0.815)), 0.05, 0.15, swing)
+    rows, phases = knots(clock, EASED, ((0.0, 0.0, 0.8), (0.15, 0.0, 0.815)), 0.05, 0.15, swing)
     assert len(rows) == len(phases) + 1 == 17
     assert (
         rows[0][2] == swing[0]
