@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 from fastapi.testclient import TestClient
-from stopwatch import Watch
 
+from tests.server.stopwatch import Watch
 from walking_console.server.api.app import Settings, create_app
 from walking_console.server.realtime_loop import WalkingClock
 from walking_console.sim.scenario import load_scenario

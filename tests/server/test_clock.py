@@ -4,8 +4,8 @@ import threading
 from collections.abc import Iterator
 
 import pytest
-from stopwatch import Watch
 
+from tests.server.stopwatch import Watch
 from walking_console.planner.types import Command
 from walking_console.server.realtime_loop import ADVANCE_PER_BEAT, Drawing, WalkingClock
 from walking_console.sim.simulation import Simulation

@@ -4,8 +4,8 @@ import random
 from typing import Literal
 
 import pytest
-from stopwatch import Watch
 
+from tests.server.stopwatch import Watch
 from walking_console.planner.types import Command, Mode
 from walking_console.server.control_lease import (
     CENTRE_FIRST,

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from crab_walks import TITAN, Blocked, command, gait, holes, relief, walk
 
+from tests.planner.crab.crab_walks import TITAN, Blocked, command, gait, holes, relief, walk
 from walking_console.planner.crab.foothold_search import ground_of
 from walking_console.planner.crab.gait import posture_of, standard_for, standard_stance
 from walking_console.planner.crab.leg_selection import Shift, decide

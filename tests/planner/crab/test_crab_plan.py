@@ -7,8 +7,18 @@ import math
 
 import numpy as np
 import pytest
-from crab_walks import TITAN, Blocked, command, gait, holes, progress, random_stance, relief, walk
 
+from tests.planner.crab.crab_walks import (
+    TITAN,
+    Blocked,
+    command,
+    gait,
+    holes,
+    progress,
+    random_stance,
+    relief,
+    walk,
+)
 from walking_console.planner.crab.gait import standard_stance
 from walking_console.planner.crab.planner import plan_step
 from walking_console.planner.robot.model import MachineError, load_machine

@@ -5,8 +5,8 @@ specification.
 import math
 
 import pytest
-from crab_walks import TITAN, Blocked, command, gait, walk
 
+from tests.planner.crab.crab_walks import TITAN, Blocked, command, gait, walk
 from walking_console.planner.crab.gait import (
     HYSTERESIS,
     LEAN,

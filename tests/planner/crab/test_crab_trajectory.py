@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from crab_walks import TITAN, command, gait, walk
 
+from tests.planner.crab.crab_walks import TITAN, command, gait, walk
 from walking_console.planner.crab.planner import cruise_speed
 from walking_console.planner.motion.swing import EASED
 from walking_console.planner.motion.timing import (

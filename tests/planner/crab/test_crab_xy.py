@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from crab_walks import TITAN, Blocked, command, gait, holes, random_stance, walk
 
+from tests.planner.crab.crab_walks import TITAN, Blocked, command, gait, holes, random_stance, walk
 from walking_console.planner.crab.foothold_search import ground_of
 from walking_console.planner.crab.gait import (
     IS_FRONT,

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from crab_walks import TITAN, command, gait, holes, look_at, random_stance
 
+from tests.planner.crab.crab_walks import TITAN, command, gait, holes, look_at, random_stance
 from walking_console.planner.crab import predictive_planner, recovery
 from walking_console.planner.crab.gait import STRETCH_LEAN, standard_for, standard_stance
 from walking_console.planner.crab.predictive_planner import at_once

@@ -6,8 +6,17 @@ import math
 
 import numpy as np
 import pytest
-from crab_walks import NEAR, TITAN, command, gait, holes, look_at, random_stance, relief
 
+from tests.planner.crab.crab_walks import (
+    NEAR,
+    TITAN,
+    command,
+    gait,
+    holes,
+    look_at,
+    random_stance,
+    relief,
+)
 from walking_console.planner.crab.gait import standard_stance
 from walking_console.planner.crab.measures import is_standard, off_standard
 from walking_console.planner.crab.planner import plan_step

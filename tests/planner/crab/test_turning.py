@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 import pytest
-from crab_walks import TITAN, gait, holes, random_stance
 
+from tests.planner.crab.crab_walks import TITAN, gait, holes, random_stance
 from walking_console.planner.crab.arcs import circular_gait
 from walking_console.planner.crab.gait import standard_stance
 from walking_console.planner.crab.planner import plan_step

@@ -1,7 +1,7 @@
-"""Pass rates of free and rigid gaits against the fraction of ground allowed: ``python passrates.py
-FOLDER [seeds]``.
+"""Pass rates of free and rigid gaits against the fraction of ground allowed.
 
-Writes ``trace-pass-rates.md`` and ``.png`` into FOLDER. Not a test: it takes a while.
+``python -m tests.planner.trace.passrates FOLDER [seeds]`` writes ``trace-pass-rates.md`` and
+``.png`` into FOLDER. Not a test: it takes a while.
 """
 
 from __future__ import annotations
@@ -11,8 +11,7 @@ import sys
 import time
 from pathlib import Path
 
-from rollout import field_of, walk
-
+from tests.planner.trace.rollout import field_of, walk
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.trace.paths import trace_for
 from walking_console.planner.trace.periodic_gaits import GAITS

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from exhaustive import farthest_reachable
-from rollout import field_of, gait_of
 
+from tests.planner.trace.exhaustive import farthest_reachable
+from tests.planner.trace.rollout import field_of, gait_of
 from walking_console.planner.geometry.paths import SampledPath
 from walking_console.planner.robot.model import Machine, load_machine
 from walking_console.planner.search import in_one_go

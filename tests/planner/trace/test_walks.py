@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from rollout import faults_of, field_of, gait_of, walk
 
+from tests.planner.trace.rollout import faults_of, field_of, gait_of, walk
 from walking_console.planner.registry import square_stance
 from walking_console.planner.robot.model import load_machine, machine_from
 from walking_console.planner.search import in_one_go
