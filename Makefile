@@ -11,16 +11,17 @@ PYTEST_ARGS ?=# more options for pytest, e.g. make test PYTEST_ARGS="-k layers"
 # The four rooms under their one import name, as plain folders: what editors, mypy and other tools that do not run Python follow.
 SOURCE := $(VENV)/source/walking_console
 LINK = mkdir -p $(SOURCE) && for part in planner sim server web; do ln -sfn ../../../$$part $(SOURCE)/$$part; done \
-	&& for part in __init__.py __main__.py py.typed; do ln -sfn ../../../walking_console/$$part $(SOURCE)/$$part; done \
+	&& for part in walking_console/*.py walking_console/py.typed; do ln -sfn ../../../$$part $(SOURCE)/$${part#*/}; done \
 	&& $(PY) -c 'import sysconfig, pathlib; pathlib.Path(sysconfig.get_path("purelib"), "walking-console-source.pth").write_text(str(pathlib.Path("$(VENV)/source").resolve()) + "\n")'
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help run test bench clean
+.PHONY: help run test test-lowest bench clean
 
 help:
 	@echo 'make run     start the console and open its page   (ARGS="--port 9000 --scenario river")'
 	@echo 'make test    check style and types, then run all tests   (PYTEST_ARGS="-k layers")'
+	@echo 'make test-lowest  try the oldest versions of everything that pyproject.toml allows'
 	@echo 'make bench   measure planner, tick and headless speed on this machine'
 	@echo 'make clean   remove the environment and what builds and checks left behind'
 
@@ -36,8 +37,18 @@ test: $(VENV)/.installed-for-tests
 	$(PY) -m mypy
 	$(PY) -m pytest $(PYTEST_ARGS)
 
+# The oldest versions are older than our warnings are strict: they are shown, not taken for errors.
+LOWEST := .venv-lowest
+LOWEST_TESTS := tests/sim tests/server tests/web tests/test_examples.py
+
+test-lowest:
+	@$(PYTHON) -m venv --clear $(LOWEST)
+	@$(LOWEST)/bin/python -m pip --disable-pip-version-check install --quiet -c constraints-lowest.txt -e '.[figures,mcap]' \
+		'click>=8.2' httpx hypothesis packaging psutil pytest setuptools
+	$(LOWEST)/bin/python -m pytest -W default -p no:cacheprovider -m 'not slow and not browser' $(PYTEST_ARGS) $(LOWEST_TESTS)
+
 clean:
-	rm -rf $(VENV) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) $(LOWEST) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find planner sim server web walking_console tests -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # The two stamps are older than pyproject.toml or constraints.txt exactly when the environment has to be brought up to date.

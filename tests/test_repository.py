@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tarfile
 import tomllib
 import zipfile
 from importlib.metadata import distribution
@@ -35,7 +36,7 @@ def repository_files() -> list[Path]:
         files = [ROOT / name for name in listed.stdout.split("\0") if name]
     else:
         left_behind = re.compile(
-            r"(^|/)(\.venv|\.[a-z]+_cache|\.hypothesis|build|__pycache__|walking-console-data|[^/]+\.egg-info)(/|$)"
+            r"(^|/)(\.venv[^/]*|\.[a-z]+_cache|\.hypothesis|build|__pycache__|walking-console-data|[^/]+\.egg-info)(/|$)"
         )
         files = [
             path
@@ -78,15 +79,19 @@ def test_no_file_names_a_package_registry() -> None:
     ] == []
 
 
-def pins() -> dict[str, str]:
-    lines = (ROOT / "constraints.txt").read_text(encoding="utf-8").splitlines()
+IMPORTED_AS = {"pillow": "PIL"}
+
+
+def canonical(name: str) -> str:
+    return re.sub(r"[-_.]+", "-", name).lower()
+
+
+def pins(file: str = "constraints.txt") -> dict[str, str]:
+    lines = (ROOT / file).read_text(encoding="utf-8").splitlines()
     assert [
         line for line in lines if not re.fullmatch(r"[A-Za-z0-9._-]+==[A-Za-z0-9.+!]+", line)
     ] == []
-    return {
-        re.sub(r"[-_.]+", "-", name).lower(): version
-        for name, version in (line.split("==") for line in lines)
-    }
+    return {canonical(name): version for name, version in (line.split("==") for line in lines)}
 
 
 @pytest.mark.parametrize(
@@ -94,23 +99,85 @@ def pins() -> dict[str, str]:
 )
 def test_every_dependency_is_pinned_within_its_bounds(needed: str) -> None:
     requirement = Requirement(needed)
-    assert requirement.specifier.contains(pins()[re.sub(r"[-_.]+", "-", requirement.name).lower()])
+    assert requirement.specifier.contains(pins()[canonical(requirement.name)])
+
+
+def test_the_oldest_versions_tried_are_the_lower_bounds() -> None:
+    extras = PROJECT["optional-dependencies"]
+    needed = [*PROJECT["dependencies"], *extras["figures"], *extras["mcap"]]
+    bounds = {
+        canonical(requirement.name): bound.version
+        for requirement in map(Requirement, needed)
+        for bound in requirement.specifier
+        if bound.operator == ">="
+    }
+    assert pins("constraints-lowest.txt") == bounds
+
+
+@pytest.mark.parametrize("needed", PROJECT["dependencies"])
+def test_every_dependency_is_imported_by_the_product(needed: str) -> None:
+    name = canonical(Requirement(needed).name)
+    wanted = re.compile(rf"^\s*(?:import|from) {IMPORTED_AS.get(name, name)}\b", re.MULTILINE)
+    files = [path for room in ROOMS for path in (ROOT / room).rglob("*.py")]
+    assert any(wanted.search(path.read_text(encoding="utf-8")) for path in files)
+
+
+def built(kind: str, source: Path, out: Path) -> Path:
+    """What setuptools builds (``sdist`` or ``wheel``) of a copy of the repository."""
+    program = f"from setuptools import build_meta; print(build_meta.build_{kind}({str(out)!r}))"
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=source, capture_output=True, text=True, timeout=120
+    )
+    assert done.returncode == 0, done.stderr
+    return out / done.stdout.split()[-1]
 
 
 @pytest.fixture(scope="module")
-def wheel(tmp_path_factory: pytest.TempPathFactory) -> zipfile.ZipFile:
-    """A wheel built from a copy of the repository, so that nothing is left behind in it."""
-    copy, out = tmp_path_factory.mktemp("copy"), tmp_path_factory.mktemp("wheel")
+def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of the repository, so that nothing is left behind in it."""
+    copy = tmp_path_factory.mktemp("copy")
     for path in repository_files():
         target = copy / path.relative_to(ROOT)
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(path, target)
-    program = f"from setuptools import build_meta; print(build_meta.build_wheel({str(out)!r}))"
+    return copy
+
+
+@pytest.fixture(scope="module")
+def wheel(copy: Path, tmp_path_factory: pytest.TempPathFactory) -> zipfile.ZipFile:
+    return zipfile.ZipFile(built("wheel", copy, tmp_path_factory.mktemp("wheel")))
+
+
+@pytest.fixture(scope="module")
+def unpacked(copy: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The source archive, unpacked."""
+    out = tmp_path_factory.mktemp("sdist")
+    with tarfile.open(built("sdist", copy, out)) as archive:
+        archive.extractall(out, filter="data")
+    return next(path for path in out.iterdir() if path.is_dir())
+
+
+def test_the_source_archive_holds_every_file_of_the_repository(unpacked: Path) -> None:
+    wanted = [path.relative_to(ROOT) for path in repository_files()]
+    assert [place.as_posix() for place in wanted if not (unpacked / place).exists()] == []
+
+
+def test_the_tests_run_from_the_source_archive(unpacked: Path) -> None:
     done = subprocess.run(
-        [sys.executable, "-c", program], cwd=copy, capture_output=True, text=True, timeout=120
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "tests/test_layers.py"],
+        cwd=unpacked,
+        capture_output=True,
+        text=True,
+        timeout=120,
     )
-    assert done.returncode == 0, done.stderr
-    return zipfile.ZipFile(next(out.glob("*.whl")))
+    assert done.returncode == 0, done.stdout
+
+
+def test_the_wheel_of_the_source_archive_is_the_same(
+    wheel: zipfile.ZipFile, unpacked: Path, tmp_path: Path
+) -> None:
+    again = zipfile.ZipFile(built("wheel", unpacked, tmp_path))
+    assert sorted(again.namelist()) == sorted(wheel.namelist())
 
 
 def test_the_wheel_holds_every_file_of_the_four_rooms(wheel: zipfile.ZipFile) -> None:
@@ -152,10 +219,10 @@ def test_the_version_is_the_same_everywhere() -> None:
 def test_the_readme_names_targets_that_make_knows() -> None:
     targets = set(
         re.findall(
-            r"^([a-z]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), flags=re.MULTILINE
+            r"^([a-z-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), flags=re.MULTILINE
         )
     )
-    assert set(re.findall(r"\bmake ([a-z]+)\b", README)) <= targets
+    assert set(re.findall(r"\bmake ([a-z-]+)\b", README)) <= targets
 
 
 def test_the_readme_names_commands_that_exist() -> None:
