@@ -17,7 +17,8 @@ from typing import Annotated, Any, Literal, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationError, model_validator
 
-from walking_console.planner.robot.model import Machine, is_file, shown
+from walking_console.planner.robot.card import shown
+from walking_console.planner.robot.model import Machine, is_file
 from walking_console.planner.types import Command
 from walking_console.planner.types import Gait as MachineGait
 

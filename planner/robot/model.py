@@ -1,5 +1,5 @@
-"""What a walker is: legs, reach boxes, speed limits, mass. Shipped robots are data
-(``machines/*.toml``).
+"""What a walker is: legs, reach boxes, leg chains, speed limits, masses. Shipped robots are data
+(``descriptions/*.toml``).
 """
 
 from __future__ import annotations
@@ -13,9 +13,29 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
+from .card import (
+    LENGTH_MAX,
+    chain_data,
+    chain_from,
+    check_masses,
+    masses_data,
+    masses_from,
+    number,
+    numbers,
+    shown,
+    triple,
+    unknown_keys,
+    word,
+)
+from .chains import Drives, LegChain, Masses, Span, slides_chain
+from .workspace import fitted_box, out_of_reach
+
+GRAVITY = 9.81  # m/s²
 LEGS_MIN, LEGS_MAX = 4, 8
-NUMBER_MAX = 1e6
-LENGTH_MAX = 10.0  # m: beyond it maps and searches outgrow memory, and nothing walks
+# of the mass, what all legs weigh together where the card does not say: an estimate
+LEGS_SHARE = 0.12
+# of a leg's mass, in hip link, upper and lower; of slides all goes with the foot
+LINK_SHARES = (0.25, 0.45, 0.30)
 FOOT_MAX = 0.5  # m
 CRAB_LEGS = 4
 FILE_BYTES_MAX = 1_000_000
@@ -78,6 +98,41 @@ class Machine:
     speed: tuple[float, float, float]  # V_x, V_y, V_z
     overreach: tuple[float, float, float]  # δx, δy, δz
     legs: tuple[Leg, ...]
+    card_chains: tuple[LegChain, ...] = ()  # as the card gives them; (): it gives none
+    card_masses: Masses | None = None  # as the card gives them
+
+    @cached_property
+    def chains(self) -> tuple[LegChain, ...]:
+        """Every leg's chain of joints: the card's, else three slides fitted to its mechanical box
+        (the control reach widened by δ).
+        """
+        if self.card_chains:
+            return self.card_chains
+        return tuple(self._fitted_slides(index) for index in range(len(self.legs)))
+
+    def _fitted_slides(self, index: int) -> LegChain:
+        leg, (hip_x, hip_y) = self.legs[index], self.hips[index]
+        dx, dy, dz = self.overreach
+        x, y, z = leg.x, leg.y, leg.z
+        limits: tuple[Span, Span, Span] = (
+            (x[0] - dx - hip_x, x[1] + dx - hip_x),
+            (y[0] - dy - hip_y, y[1] + dy - hip_y),
+            (z[0] - dz, z[1] + dz),
+        )
+        weight = self.mass * GRAVITY
+        drives = Drives(limits, self.speed, (weight, weight, 2.0 * weight))
+        return slides_chain((hip_x, hip_y, 0.0), 0.0, drives)
+
+    @cached_property
+    def masses(self) -> Masses:
+        """Where the mass is: the card's, else an estimate (legs are 12 % of the mass)."""
+        if self.card_masses is not None:
+            return self.card_masses
+        leg = LEGS_SHARE * self.mass / len(self.legs)
+        a, b, c = LINK_SHARES
+        if self.chains[0].joints[-1].slides:
+            a, b, c = 0.0, 0.0, 1.0
+        return Masses((1.0 - LEGS_SHARE) * self.mass, (a * leg, b * leg, c * leg))
 
     @cached_property
     def boxes(self) -> tuple[tuple[float, float, float, float], ...]:
@@ -138,7 +193,8 @@ _NUMBERS = (
 )
 _TRIPLES = ("torso", "speed", "overreach")
 _WORDS = ("name", "title", "source")
-_KNOWN = (*_WORDS, *_NUMBERS, *_TRIPLES, "legs")
+_KNOWN = (*_WORDS, *_NUMBERS, *_TRIPLES, "chain", "masses", "legs")
+_LEG_KEYS = ("name", "x", "y", "z", "hip", "chain")
 
 
 def machine_names() -> tuple[str, ...]:
@@ -186,17 +242,6 @@ def is_file(path: Path) -> bool:
         return False
 
 
-def shown(value: Any) -> str:
-    """A refused value in at most 80 characters."""
-    try:
-        return f"{value!r:.80}"
-    # an integer of thousands of digits, tables in tables in tables
-    except (ValueError, RecursionError):
-        return (
-            "a number too long to show" if isinstance(value, int) else "a value too large to show"
-        )
-
-
 def _parse(text: str, name: str) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
@@ -210,135 +255,147 @@ def machine_from(data: Mapping[str, Any]) -> Machine:
     reason.
     """
     faults: list[str] = []
-    for key in data:
-        if key not in _KNOWN:
-            faults.append(f"unknown key {key!r:.80}; there are: {', '.join(_KNOWN)}")
-    words = {key: _word(data, key, faults) for key in _WORDS}
-    numbers = {key: _number(data.get(key), key, faults) for key in _NUMBERS}
-    triples = {key: _numbers(data.get(key), key, 3, faults) for key in _TRIPLES}
-    legs = _legs(data.get("legs"), faults)
+    unknown_keys(data, _KNOWN, "", faults)
+    words = {key: word(data, key, faults) for key in _WORDS}
+    values = {key: number(data.get(key), key, faults) for key in _NUMBERS}
+    triples = {key: triple(data.get(key), key, faults) for key in _TRIPLES}
+    tables = _leg_tables(data.get("legs"), faults)
+    chains = _chains(data.get("chain"), tables, faults)
+    legs = _legs(tables, chains, faults)
+    masses = masses_from(data.get("masses"), faults)
     if not faults:
-        _check_numbers(numbers, triples, faults)
-        _check_stance(legs, numbers, faults)
+        _check_numbers(values, triples, faults)
+        _check_stance(legs, values, faults)
+        _check_reach(legs, chains, faults)
+        if masses is not None:
+            check_masses(masses, values["mass"], len(legs), faults)
     if faults:
         raise MachineError(f"robot {words['name'] or '?'!s} cannot be used: " + "; ".join(faults))
-    plain: dict[str, Any] = {**words, **numbers}
-    return Machine(
-        **plain,
-        torso=(triples["torso"][0], triples["torso"][1], triples["torso"][2]),
-        speed=(triples["speed"][0], triples["speed"][1], triples["speed"][2]),
-        overreach=(triples["overreach"][0], triples["overreach"][1], triples["overreach"][2]),
-        legs=legs,
-    )
+    plain: dict[str, Any] = {**words, **values, **triples}
+    return Machine(**plain, legs=legs, card_chains=chains, card_masses=masses)
 
 
 def as_data(machine: Machine) -> dict[str, Any]:
     """The robot as plain data, the inverse of ``machine_from`` (what ``run.json`` keeps)."""
     plain = {key: getattr(machine, key) for key in (*_WORDS, *_NUMBERS)}
     triples = {key: list(getattr(machine, key)) for key in _TRIPLES}
-    legs = [
+    legs: list[dict[str, Any]] = [
         {"name": leg.name, "x": list(leg.x), "y": list(leg.y), "z": list(leg.z)}
         for leg in machine.legs
     ]
-    return {**plain, **triples, "legs": legs}
+    for leg, chain in zip(legs, machine.card_chains, strict=False):
+        leg |= {"hip": list(chain.hip), "chain": chain_data(chain)}
+    masses = {} if machine.card_masses is None else {"masses": masses_data(machine.card_masses)}
+    return {**plain, **triples, **masses, "legs": legs}
 
 
-def _word(data: Mapping[str, Any], key: str, faults: list[str]) -> str:
-    value = data.get(key)
-    if not isinstance(value, str) or not value.strip() or len(value) > 500:
-        faults.append(f"{key} must be a text of 1 to 500 characters, got {shown(value)}")
-        return ""
-    return value
-
-
-def _number(value: Any, key: str, faults: list[str]) -> float:
-    if (
-        isinstance(value, bool)
-        or not isinstance(value, int | float)
-        or not abs(value) <= NUMBER_MAX
-    ):
-        faults.append(
-            f"{key} must be a finite number of at most {NUMBER_MAX:g}, got {shown(value)}"
-        )
-        return 0.0
-    return float(value)
-
-
-def _numbers(value: Any, key: str, count: int, faults: list[str]) -> tuple[float, ...]:
-    if not isinstance(value, list) or len(value) != count:
-        faults.append(f"{key} must be a list of {count} numbers, got {shown(value)}")
-        return (0.0,) * count
-    return tuple(_number(item, f"{key}[{index}]", faults) for index, item in enumerate(value))
-
-
-def _legs(value: Any, faults: list[str]) -> tuple[Leg, ...]:
+def _leg_tables(value: Any, faults: list[str]) -> list[Mapping[str, Any]]:
     if not isinstance(value, list) or not LEGS_MIN <= len(value) <= LEGS_MAX:
         got = len(value) if isinstance(value, list) else shown(value)
         faults.append(f"legs must be {LEGS_MIN} to {LEGS_MAX} tables, got {got}")
-        return ()
-    legs = []
+        return []
     for index, item in enumerate(value, 1):
-        if not isinstance(item, Mapping) or set(item) - {"name", "x", "y", "z"}:
-            faults.append(f"leg {index} must be a table with name, x, y, z")
+        if not isinstance(item, Mapping):
+            faults.append(f"leg {index} must be a table with {', '.join(_LEG_KEYS)}")
+        else:
+            unknown_keys(item, _LEG_KEYS, f" in leg {index}", faults)
+    return [item for item in value if isinstance(item, Mapping)]
+
+
+def _legs(
+    tables: list[Mapping[str, Any]], chains: tuple[LegChain, ...], faults: list[str]
+) -> tuple[Leg, ...]:
+    """Every leg with its control box: the card's, else the one that fits its chain's reach."""
+    legs = []
+    for index, item in enumerate(tables, 1):
+        name = word(item, "name", faults)
+        if chains and not any(axis in item for axis in "xyz"):
+            legs.append(Leg(name, *fitted_box(chains[index - 1])))
             continue
-        name = _word(item, "name", faults)
-        spans = [
-            _numbers(item.get(axis), f"leg {index} {axis}", 2, faults) for axis in ("x", "y", "z")
-        ]
-        for axis, span in zip("xyz", spans, strict=True):
-            if not span[0] < span[1] and not faults:
-                faults.append(
-                    f"leg {index} {axis} must be [low, high] with low < high, got {list(span)}"
-                )
-        legs.append(
-            Leg(
-                name,
-                (spans[0][0], spans[0][1]),
-                (spans[1][0], spans[1][1]),
-                (spans[2][0], spans[2][1]),
-            )
-        )
+        x, y, z = (_range(item.get(axis), f"leg {index} {axis}", faults) for axis in "xyz")
+        legs.append(Leg(name, x, y, z))
     return tuple(legs)
 
 
+def _range(value: Any, key: str, faults: list[str]) -> Span:
+    low, high = numbers(value, key, 2, faults)
+    if not low < high and not faults:
+        faults.append(f"{key} must be [low, high] with low < high, got {[low, high]}")
+    return low, high
+
+
+def _chains(
+    common: Any, tables: list[Mapping[str, Any]], faults: list[str]
+) -> tuple[LegChain, ...]:
+    """Every leg's chain: the card's ``chain`` with the leg's own keys laid over it; () without
+    either, and after a fault.
+    """
+    if common is None and not any("chain" in leg or "hip" in leg for leg in tables):
+        return ()
+    found = len(faults)
+    chains = []
+    for index, leg in enumerate(tables, 1):
+        own = leg.get("chain", {})
+        if not isinstance(own, Mapping) or not isinstance(common or {}, Mapping):
+            faults.append(f"leg {index} chain must be a table, got {shown(own or common)}")
+            continue
+        hip = triple(leg.get("hip"), f"leg {index} hip", faults)
+        if max(abs(part) for part in hip) > LENGTH_MAX:
+            faults.append(f"leg {index} hip must be within {LENGTH_MAX:g} m, got {list(hip)}")
+        chains.append(chain_from({**(common or {}), **own}, hip, f"leg {index} chain", faults))
+    return tuple(chains) if len(faults) == found else ()
+
+
+def _check_reach(legs: tuple[Leg, ...], chains: tuple[LegChain, ...], faults: list[str]) -> None:
+    """Every place of a control box must be one that its leg's joints can reach."""
+    for index, (leg, chain) in enumerate(zip(legs, chains, strict=False), 1):
+        spot = out_of_reach(chain, (leg.x, leg.y, leg.z))
+        if spot is not None:
+            place = ", ".join(f"{part:.3f}" for part in spot)
+            faults.append(
+                f"leg {index} cannot reach ({place}) of its control box with its {chain.kind} "
+                "chain; make the box smaller, or leave x, y and z out to have one fitted"
+            )
+
+
 def _check_numbers(
-    numbers: Mapping[str, float], triples: Mapping[str, tuple[float, ...]], faults: list[str]
+    values: Mapping[str, float], triples: Mapping[str, tuple[float, ...]], faults: list[str]
 ) -> None:
     for key in ("mass", "height", "foot_radius", "friction", "yaw_length", "lift_up", "lift_down"):
-        if not numbers[key] > 0:
-            faults.append(f"{key} must be positive, got {numbers[key]:g}")
-    if not 0.5 <= numbers["duty_factor"] < 1.0:
-        faults.append(f"duty_factor must be in [0.5, 1), got {numbers['duty_factor']:g}")
+        if not values[key] > 0:
+            faults.append(f"{key} must be positive, got {values[key]:g}")
+    if not 0.5 <= values["duty_factor"] < 1.0:
+        faults.append(f"duty_factor must be in [0.5, 1), got {values['duty_factor']:g}")
     for key in ("torso", "speed"):
         if not all(value > 0 for value in triples[key]):
             faults.append(f"{key} must be positive, got {list(triples[key])}")
     if not all(value >= 0 for value in triples["overreach"]):
         faults.append(f"overreach must not be negative, got {list(triples['overreach'])}")
     for key in ("height", "yaw_length", "lift_up", "lift_down"):
-        if numbers[key] > LENGTH_MAX:
-            faults.append(f"{key} must be at most {LENGTH_MAX:g} m, got {numbers[key]:g}")
+        if values[key] > LENGTH_MAX:
+            faults.append(f"{key} must be at most {LENGTH_MAX:g} m, got {values[key]:g}")
     for key in ("torso", "overreach"):
         if max(triples[key]) > LENGTH_MAX:
             faults.append(f"{key} must be at most {LENGTH_MAX:g} m, got {list(triples[key])}")
-    if numbers["foot_radius"] > FOOT_MAX:
-        faults.append(f"foot_radius must be at most {FOOT_MAX:g} m, got {numbers['foot_radius']:g}")
-    if numbers["lift_down"] < numbers["lift_up"]:
+    if values["foot_radius"] > FOOT_MAX:
+        faults.append(f"foot_radius must be at most {FOOT_MAX:g} m, got {values['foot_radius']:g}")
+    if values["lift_down"] < values["lift_up"]:
         faults.append(
-            f"lift_down must be at least lift_up {numbers['lift_up']:g}, got {numbers['lift_down']:g}"
+            f"lift_down must be at least lift_up {values['lift_up']:g}, got {values['lift_down']:g}"
         )
 
 
-def _check_stance(legs: tuple[Leg, ...], numbers: Mapping[str, float], faults: list[str]) -> None:
-    for number, leg in enumerate(legs, 1):
+def _check_stance(legs: tuple[Leg, ...], values: Mapping[str, float], faults: list[str]) -> None:
+    for index, leg in enumerate(legs, 1):
         for axis, span in (("x", leg.x), ("y", leg.y), ("z", leg.z)):
             if max(abs(span[0]), abs(span[1])) > LENGTH_MAX:
                 faults.append(
-                    f"leg {number} {axis} must be within {LENGTH_MAX:g} m, got {list(span)}"
+                    f"leg {index} {axis} must be within {LENGTH_MAX:g} m, got {list(span)}"
                 )
     low, high = max(leg.z[0] for leg in legs), min(leg.z[1] for leg in legs)
-    if not low <= -numbers["height"] <= high:
+    if not low <= -values["height"] <= high:
         faults.append(
-            f"height {numbers['height']:g} is outside the legs' common z range [{-high:g}, {-low:g}]"
+            f"height {values['height']:g} is outside the legs' common z range [{-high:g}, {-low:g}]"
         )
     angles = [math.atan2(leg.centre[1], leg.centre[0]) % (2 * math.pi) for leg in legs]
     if any(b <= a for a, b in zip(angles, angles[1:], strict=False)):

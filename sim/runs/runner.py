@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 
 from walking_console.planner.control.supervisor import DT
-from walking_console.planner.robot.model import as_data, machine_from, shown
+from walking_console.planner.robot.card import shown
+from walking_console.planner.robot.model import as_data, machine_from
 from walking_console.planner.trace.planner import ARRIVED
 from walking_console.planner.types import Command
 from walking_console.sim.requests import Halt, TakePosture, input_from
