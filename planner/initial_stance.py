@@ -1,13 +1,44 @@
-"""A posture of one's own choosing to begin in, instead of the standard one."""
+"""Postures to begin a walk in: every foot in the middle of its reach, or where one wants them."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
+from .geometry.transforms import Pose, placed
+from .protocols import Capabilities
 from .robot.model import Machine
 from .stability import polygon_margin, support_polygon
 from .types import Gait, Point, Stance
+
+HeightAt = Callable[[float, float], float]  # m at x, y; NaN over a hole
+
+
+@dataclass(frozen=True, slots=True)
+class Placement:
+    """Where a machine is set down, and for which course."""
+
+    pose: Pose
+    height_at: HeightAt
+    crab_angle: float = 0.0  # rad, of the first course
+
+
+# for a planner that declares this
+StanceMaker = Callable[[Machine, Gait, Placement, Capabilities], Stance]
+
+
+def square_stance(machine: Machine, gait: Gait, place: Placement, _: object = None) -> Stance:
+    """Every foot in the middle of its reach, the body H above their mean; over a hole a foot hangs
+    at NaN.
+    """
+    x, y, yaw = place.pose
+    feet: list[Point] = []
+    for leg in machine.legs:
+        fx, fy = placed(place.pose, *leg.centre)
+        feet.append((fx, fy, place.height_at(fx, fy)))
+    level = [z for _, _, z in feet if z == z] or [0.0]
+    return Stance((x, y, sum(level) / len(level) + gait.height, yaw), tuple(feet))
 
 
 def stance_on(
@@ -17,7 +48,7 @@ def stance_on(
     x: float,
     y: float,
     yaw: float,
-    height_at: Callable[[float, float], float],
+    height_at: HeightAt,
 ) -> Stance:
     """Feet (x, y in body axes, leg order) on the ground and the body H above their mean; raises
     ``ValueError`` when it cannot stand so.

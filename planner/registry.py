@@ -1,182 +1,174 @@
-"""Which brain walks: a planner picked by name, and the posture it begins in."""
+"""Planners by name, with the modes they have and what they declare: the only place that names them.
+
+Another planner is one module and one entry::
+
+    @register_planner("amble", modes={"": Capabilities(leg_counts=(4,))}, stance=square_stance)
+    class Amble(Planner): ...
+
+A package that is installed beside this one needs no import: its entry point in the group
+``walking_console.planners`` names such a module, which is loaded when the planners are first asked
+for. Mode ``""`` is that of a planner without modes; it then answers to every mode.
+"""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
-from functools import partial
+from dataclasses import dataclass, replace
+from functools import cache
+from importlib.metadata import entry_points
 from typing import Any
 
-from .control.supervisor import PlanStep, Think, Thinking
-from .crab import baseline, predictive_planner
 from .crab.gait import standard_stance
-from .crab.planner import plan_step
-from .crab.slope_adaptation import KINDS, Attitude, Kind, fitted_at_start
+from .crab.modes import MODES as CRAB_MODES
+from .crab.modes import CrabPlanner
+from .crab.slope_adaptation import fitted_at_start
 from .geometry.paths import SampledPath
+from .geometry.transforms import Pose
+from .initial_stance import Placement, StanceMaker, square_stance
+from .protocols import Capabilities, Planner, PlannerError, PlannerSetup
 from .robot.model import Machine
-from .terrain.map import TerrainMap
 from .trace.paths import trace_for
-from .trace.periodic_gaits import rigid_gait
-from .trace.planner import TraceWalk
-from .trace.preview import ahead, course_now
-from .types import Command, Gait, GaitPreview, Point, Stance, StepPlan
+from .trace.walker import CAPABILITIES as TRACE
+from .trace.walker import TracePlanner
+from .types import Gait, Stance
 
-Pose = tuple[float, float, float]  # x, y, yaw
-HeightAt = Callable[[float, float], float]
-Via = Callable[[Think, Machine, Stance, Command, TerrainMap], Thinking]
-# the crab mode that fits strides and posture to slopes; the others stay as they were printed
-FITTING = "predictive"
+ENTRY_POINTS = "walking_console.planners"
+DEFAULT_PLANNER = "crab"
+
+Maker = Callable[[PlannerSetup], Planner]
 
 
-class PlannerError(ValueError):
-    """A choice of planner, mode or trace that cannot be; the message is one clear line."""
+@dataclass(frozen=True)
+class PlannerEntry:
+    """A planner as it is registered."""
+
+    name: str
+    make: Maker
+    modes: Mapping[str, Capabilities]  # the default one first
+    stance: StanceMaker  # the posture a walk begins in, for a machine in a mode
+
+    @property
+    def default_mode(self) -> str:
+        """The mode taken when none is given."""
+        return next(iter(self.modes))
+
+    def mode(self, mode: str) -> str:
+        """The mode meant by a name; raises ``PlannerError``."""
+        if "" in self.modes:
+            return ""
+        if mode and mode not in self.modes:
+            raise PlannerError(
+                f"unknown {self.name} mode {mode!r}; there are: {', '.join(self.modes)}"
+            )
+        return mode or self.default_mode
 
 
-def crab_brain(
-    mode: str,
-    machine: Machine,
-    gait: Gait,
-    attitude: Kind = "level",
-    via: Via | None = None,
-    *,
-    explain: bool = False,
-) -> Think:
-    """Hirose's planner: ``predictive``, ``paper``, or ``naive`` to show what the paper warns of.
+_ENTRIES: dict[str, PlannerEntry] = {}
 
-    ``via`` comes between: a Level B1 that asks the thought of a machine for steps on courses of its
-    own. Only ``predictive`` fits its strides to slopes and may lean with them (``attitude``).
+
+def register_planner(
+    name: str, *, modes: Mapping[str, Capabilities], stance: StanceMaker = square_stance
+) -> Callable[[Maker], Maker]:
+    """Enter a planner under a name; decorates its class, or a function that makes it.
+
+    Raises ``PlannerError`` when the name is taken or no mode is given.
     """
-    if mode not in CRAB_MODES:
-        raise PlannerError(f"unknown crab mode {mode!r}; there are: {', '.join(CRAB_MODES)}")
+    if name in _ENTRIES:
+        raise PlannerError(f"a planner {name!r} is registered already")
+    if not modes:
+        raise PlannerError(f'planner {name!r} needs at least one mode; "" when it has no modes')
 
-    def think_of(machine: Machine) -> Think:
-        think = CRAB_MODES[mode](machine, gait, explain)
-        return think if via is None else partial(via, think, machine)
+    def enter(make: Maker) -> Maker:
+        _ENTRIES[name] = PlannerEntry(name, make, dict(modes), stance)
+        return make
 
-    return Attitude(machine, gait, think_of, attitude) if mode == FITTING else think_of(machine)
-
-
-def attitude_of(think: Think) -> Kind:
-    """Whether the body is level or follows the ground."""
-    return think.kind if isinstance(think, Attitude) else "level"
+    return enter
 
 
-def take_attitude(think: Think, kind: str) -> None:
-    """Level, or following the ground, from the next step planned on; raises ``PlannerError`` for a
-    planner that cannot.
-    """
-    if kind not in KINDS:
-        raise PlannerError(f"unknown attitude {kind!r:.80}; there are: {', '.join(KINDS)}")
-    if isinstance(think, Attitude):
-        think.kind = "ground" if kind == "ground" else "level"
-    elif kind != "level":
-        raise PlannerError(
-            f'the body follows the ground only with the crab planner in mode "{FITTING}"'
-        )
+def unregister_planner(name: str) -> None:
+    """Take a planner out again; raises ``PlannerError`` when there is none of this name."""
+    if _ENTRIES.pop(name, None) is None:
+        raise PlannerError(_unknown(name))
 
 
-def drawn_trace(trace: Mapping[str, Any], machine: Machine, start: Pose) -> SampledPath:
-    """A scenario's trace, sampled: too slow for a tick when it is long."""
+@cache
+def _load_installed() -> None:
+    """Import what installed packages offer; once."""
+    for point in entry_points(group=ENTRY_POINTS):
+        try:
+            point.load()
+        except Exception as error:
+            raise PlannerError(f"cannot load planner {point.name!r}: {error}") from error
+
+
+def planner_names() -> tuple[str, ...]:
+    """Every planner there is, ours first."""
+    _load_installed()
+    return tuple(_ENTRIES)
+
+
+def planner_entry(name: str) -> PlannerEntry:
+    """The planner of this name; raises ``PlannerError`` that lists those there are."""
+    if name not in planner_names():
+        raise PlannerError(_unknown(name))
+    return _ENTRIES[name]
+
+
+def _unknown(name: str) -> str:
+    return f"unknown planner {name!r:.80}; there are: {', '.join(_ENTRIES)}"
+
+
+def capabilities(name: str, mode: str = "") -> Capabilities:
+    """What a planner declares for a mode (its default when not given); raises ``PlannerError``."""
+    entry = planner_entry(name)
+    return entry.modes[entry.mode(mode)]
+
+
+def choices_that(offer: Callable[[Capabilities], bool]) -> tuple[tuple[str, str], ...]:
+    """Planner and mode of all that declare something, to name them in a message."""
+    return tuple(
+        (name, mode)
+        for name in planner_names()
+        for mode, declared in _ENTRIES[name].modes.items()
+        if offer(declared)
+    )
+
+
+def make_planner(name: str, setup: PlannerSetup) -> Planner:
+    """A planner by name; raises ``PlannerError`` for one that cannot be made so."""
+    entry = planner_entry(name)
+    mode = entry.mode(setup.mode)
+    return entry.make(setup if mode == setup.mode else replace(setup, mode=mode))
+
+
+def initial_stance(name: str, mode: str, machine: Machine, gait: Gait, place: Placement) -> Stance:
+    """The posture a walk of this planner begins in; raises ``PlannerError``."""
+    entry = planner_entry(name)
+    return entry.stance(machine, gait, place, entry.modes[entry.mode(mode)])
+
+
+def sampled_path(trace: Mapping[str, Any], machine: Machine, start: Pose) -> SampledPath:
+    """A scenario's trace, sampled: too slow for a tick when it is long. Raises ``PlannerError``."""
     try:
         return trace_for(trace, machine, start)
     except ValueError as error:
         raise PlannerError(str(error)) from None
 
 
-def trace_brain(
-    machine: Machine,
-    gait: Gait,
-    course: SampledPath | None,
-    rigid: str | None = None,
-    *,
-    explain: bool = False,
-) -> Think:
-    """Kugushev and Jaroshevskij's planner, along a given trace or, with none, wherever the joystick
-    leads.
-    """
-    try:
-        walk = TraceWalk(machine, gait, course, None if rigid is None else rigid_gait(rigid))
-    except ValueError as error:
-        raise PlannerError(str(error)) from None
-    walk.explain = explain
-    return walk
+# ours
 
 
-def square_stance(machine: Machine, gait: Gait, pose: Pose, height_at: HeightAt) -> Stance:
-    """Every foot in the middle of its reach: the posture a trace walk begins in."""
-    x, y, yaw = pose
-    c, s = math.cos(yaw), math.sin(yaw)
-    feet: list[Point] = []
-    for leg in machine.legs:
-        bx, by = leg.centre
-        fx, fy = x + c * bx - s * by, y + s * bx + c * by
-        feet.append((fx, fy, height_at(fx, fy)))
-    level = [z for _, _, z in feet if z == z] or [0.0]
-    return Stance((x, y, sum(level) / len(level) + gait.height, yaw), tuple(feet))
+def _standard_stance(machine: Machine, gait: Gait, place: Placement, mode: Capabilities) -> Stance:
+    """The standard posture of the first course (gait-dependent, H §4.3), on strides that fit."""
+    crab_angle, pose, height_at = place.crab_angle, place.pose, place.height_at
+    if mode.fits_slopes:
+        machine = fitted_at_start(machine, gait, crab_angle, pose, height_at)
+    return standard_stance(machine, gait, crab_angle, *pose, height_at)
 
 
-def start_stance(
-    planner: str,
-    machine: Machine,
-    gait: Gait,
-    crab_angle: float,
-    pose: Pose,
-    height_at: HeightAt,
-    mode: str = FITTING,
-) -> Stance:
-    """The posture a walk begins in: standard for the crab planner (gait-dependent, H §4.3), square
-    for the trace planner.
-    """
-    if planner == "crab":
-        fit = (
-            fitted_at_start(machine, gait, crab_angle, pose, height_at)
-            if mode == FITTING
-            else machine
-        )
-        return standard_stance(fit, gait, crab_angle, *pose, height_at)
-    return square_stance(machine, gait, pose, height_at)
+@register_planner("crab", modes=CRAB_MODES, stance=_standard_stance)
+def _crab(setup: PlannerSetup) -> Planner:
+    return CrabPlanner(setup, CRAB_MODES[setup.mode])
 
 
-def foreseen(think: Think, stance: Stance, running: StepPlan | None) -> GaitPreview | None:
-    """What a trace walker foresees from the last N_k on, for viewers; None for any other brain."""
-    return ahead(think, stance, running) if isinstance(think, TraceWalk) else None
-
-
-def course_of(
-    think: Think,
-    stance: Stance,
-    running: StepPlan | None,
-    body: tuple[float, ...],
-    yaw_length: float,
-) -> float:
-    """s of the body on its trace, m; 0 for a brain without one."""
-    return course_now(stance, running, body, yaw_length) if isinstance(think, TraceWalk) else 0.0
-
-
-def _foreseeing(machine: Machine, gait: Gait, explain: bool) -> Think:
-    return partial(predictive_planner.think, machine=machine, gait=gait, explain=explain)
-
-
-def _as_printed(machine: Machine, gait: Gait, explain: bool) -> Think:
-    return _without_pause(partial(plan_step, machine=machine, gait=gait, explain=explain))
-
-
-def _naively(machine: Machine, gait: Gait, explain: bool) -> Think:
-    return _without_pause(partial(baseline.plan_step, machine=machine, gait=gait, explain=explain))
-
-
-def _without_pause(step: PlanStep) -> Think:
-    """A planner that answers at once, as one that could have paused."""
-
-    def think(stance: Stance, command: Command, terrain: TerrainMap) -> Thinking:
-        return step(stance, command, terrain)
-        yield
-
-    return think
-
-
-CRAB_MODES: dict[str, Callable[[Machine, Gait, bool], Think]] = {
-    "predictive": _foreseeing,
-    "paper": _as_printed,
-    "naive": _naively,
-}
+register_planner("trace", modes={"": TRACE})(TracePlanner)

@@ -132,22 +132,12 @@ def _score(branch: Branch[Any, Any]) -> float:
     return branch.score
 
 
-def unhurried(thinking: Generator[None, Any, Answer]) -> Generator[None, bool | None, Answer]:
-    """A thought that is thought to its end, piece by piece, even when the answer is wanted now."""
+def uninterruptible(job: Generator[None, Any, Answer]) -> Generator[None, bool | None, Answer]:
+    """A job that goes on slice by slice to its end, even when the answer is wanted now."""
     while True:
         try:
-            next(thinking)
+            next(job)
         except StopIteration as done:
             answer: Answer = done.value
             return answer
         yield
-
-
-def in_one_go(thinking: Generator[None, Any, Answer]) -> Answer:
-    """A thought without pauses: what it comes to in the end."""
-    while True:
-        try:
-            next(thinking)
-        except StopIteration as done:
-            answer: Answer = done.value
-            return answer

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from walking_console.planner import registry, stability
+from walking_console.planner import stability
 from walking_console.planner.types import TICK
 
 from .snapshot import Snapshot
@@ -83,11 +83,11 @@ def _planner_fields(simulation: Simulation) -> dict[str, Any]:
     walk = simulation.walk
     running = walk.plan if walk.kind == "step" else None
     x, y, z, _, _, yaw = simulation.plant.body
-    yaw_length = simulation.world.machine.yaw_length
+    planner = simulation.planner
     return {
-        "course": registry.course_of(walk.think, walk.stance, running, (x, y, z, yaw), yaw_length),
+        "course": planner.progress(walk.stance, running, (x, y, z, yaw)),
         "ahead": simulation.preview(running),
-        "attitude": registry.attitude_of(walk.think),
+        "attitude": planner.attitude,
     }
 
 

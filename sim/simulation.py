@@ -10,25 +10,21 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Callable, Iterable
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from walking_console.planner import registry, stability
 from walking_console.planner.control.foot_controller import Gains
-from walking_console.planner.control.supervisor import GaitSupervisor, Think, Thinking
+from walking_console.planner.control.supervisor import GaitSupervisor
 from walking_console.planner.geometry.transforms import direction
-from walking_console.planner.navigation.local_planner import RouteState, plan_route
-from walking_console.planner.robot.model import Machine
-from walking_console.planner.terrain.map import TerrainMap
+from walking_console.planner.protocols import Planner, PlannerSetup
 from walking_console.planner.types import (
     TICK,
     Blocked,
     Command,
     GaitPreview,
     Mode,
-    Stance,
     StepPlan,
 )
 
@@ -41,7 +37,6 @@ from .snapshot import Snapshot
 from .world import World, first_crab_angle, prepare
 
 HOLD = Command()
-COURSES_MAX = 3  # courses Level B1 may offer for one step before the walk is called blocked
 
 
 class Simulation:
@@ -51,8 +46,8 @@ class Simulation:
     is slow; a world can be used again). ``explain`` fills the decision log of every step. Raises
     what ``prepare`` raises.
 
-    Read freely, change only through the methods: ``plant`` (the machine), ``walk`` (its gait
-    supervisor), ``perception`` (the ground, and what is believed of it), ``command``,
+    Read freely, change only through the methods: ``plant`` (the machine), ``planner``, ``walk`` (its
+    gait supervisor), ``perception`` (the ground, and what is believed of it), ``command``,
     ``tick_count``, ``distance`` (m walked along the commanded course) and ``refused`` (why the last
     refused request was). ``on_input`` is called with the tick and every command or request served.
     """
@@ -68,63 +63,41 @@ class Simulation:
     def _set_up(self, world: World, revision: int = 1) -> None:
         self.world = world
         self.plant = _plant_in(world)
+        self.planner = self._planner(world)
         self.walk = self._supervisor(world)
         self.perception = Perception(world, self.plant.body, revision)
         self.command = HOLD
-        self.route = RouteState()
         self._mailbox: tuple[Command, int | None] = (HOLD, None)  # and the tick it lapses at
         self.tick_count = 0
         self.distance = 0.0
-        self._preview: tuple[tuple[object, ...], GaitPreview | None] = ((), None)
 
     def _supervisor(self, world: World) -> GaitSupervisor:
         scenario, machine, gait = world.scenario, world.machine, world.gait
-        layout = partial(registry.start_stance, scenario.planner, machine, gait, mode=scenario.mode)
+        layout = partial(registry.initial_stance, scenario.planner, scenario.mode, machine, gait)
         return GaitSupervisor(
             machine,
             gait,
             world.stance,
-            self._thinker(world),
+            self.planner,
             Gains(),
             layout=layout,
             crab_angle=first_crab_angle(scenario),
         )
 
-    def _thinker(self, world: World) -> Think:
+    def _planner(self, world: World) -> Planner:
         scenario = world.scenario
-        if scenario.planner == "trace":
-            return registry.trace_brain(
-                world.machine, world.gait, world.course, scenario.gait.rigid, explain=self.explain
-            )
-        via = self._along_a_route if scenario.detours and scenario.mode != "naive" else None
-        return registry.crab_brain(
-            scenario.mode, world.machine, world.gait, scenario.attitude, via, explain=self.explain
+        setup = PlannerSetup(
+            world.machine,
+            world.gait,
+            scenario.mode,
+            attitude=scenario.attitude,
+            detours=scenario.detours,
+            cautious=scenario.sensing == "eye",
+            path=world.course,
+            rigid_gait=scenario.gait.rigid,
+            explain=self.explain,
         )
-
-    def _along_a_route(
-        self, think: Think, machine: Machine, stance: Stance, command: Command, terrain: TerrainMap
-    ) -> Thinking:
-        """Level B1, then B2 to B4 on the course it gives; where they find no step B1 is asked for
-        another.
-        """
-        command = replace(command, speed=self.command.speed)
-        scenario, refused, first = self.world.scenario, list[float](), None
-        cautious, stretches = scenario.sensing == "eye", scenario.mode == "predictive"
-        for _ in range(COURSES_MAX):
-            steered, route, why = plan_route(
-                self.route, command, stance, terrain, machine, refused, cautious, stretches
-            )
-            answer = why or (yield from think(stance, steered, terrain))
-            first = first or (route, answer)
-            if isinstance(answer, StepPlan):
-                self.route = route
-                return answer
-            if why is not None or command.turn_rate != 0.0:
-                break
-            refused.append(route.offset)
-        assert first is not None
-        self.route, answer = replace(first[0], speed_limit=math.inf), first[1]
-        return answer
+        return registry.make_planner(scenario.planner, setup)
 
     # -- what anybody may leave for the next step
 
@@ -167,10 +140,6 @@ class Simulation:
             self.tick_count += 1
             return
         sensing = plant.sense()
-        if command.holds:
-            self.route = RouteState()
-        elif self.route.speed_limit < command.speed:
-            command = replace(command, speed=self.route.speed_limit)
         velocities = self.walk.advance(sensing, command, self.perception.belief)
         x, y = plant.body[0], plant.body[1]
         plant.move(velocities)
@@ -242,7 +211,7 @@ class Simulation:
             case TakePosture(posture):
                 self._take_posture(posture)
             case Follow(attitude):
-                registry.take_attitude(self.walk.think, attitude)
+                self.planner.take_attitude(attitude)
             case Halt():
                 if not self.walk.posing:
                     return False
@@ -291,15 +260,8 @@ class Simulation:
         return longitudinal, stability.polygon_margin(polygon, x, y)
 
     def preview(self, running: StepPlan | None) -> GaitPreview | None:
-        """What the planner foresees from the last N_k on, None for one that does not; worked out
-        again only when it foresees something else.
-        """
-        walk = self.walk
-        key = (getattr(walk.think, "prediction", None), walk.stance, running)
-        known = self._preview[0]
-        if len(key) != len(known) or any(a is not b for a, b in zip(key, known, strict=True)):
-            self._preview = key, registry.foreseen(walk.think, walk.stance, running)
-        return self._preview[1]
+        """What the planner foresees from the last N_k on; None for one that does not."""
+        return self.planner.preview(self.walk.stance, running)
 
     def snapshot(self, *, paused: bool = False, rate: float = 1.0, late: float = 0.0) -> Snapshot:
         """The world at this instant, frozen; ``paused``, ``rate`` (times real time) and ``late`` (s)

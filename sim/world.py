@@ -7,7 +7,6 @@ begun in the same world as often as wanted.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +14,8 @@ from numpy.typing import NDArray
 
 from walking_console.planner import registry
 from walking_console.planner.geometry.paths import SampledPath
-from walking_console.planner.initial_stance import stance_on
+from walking_console.planner.initial_stance import HeightAt, Placement, stance_on
+from walking_console.planner.protocols import PlannerError
 from walking_console.planner.robot.model import Machine, load_machine
 from walking_console.planner.terrain.map import TerrainMap, classify
 from walking_console.planner.types import Gait, Stance
@@ -76,13 +76,13 @@ def given_trace(scenario: Scenario, machine: Machine) -> SampledPath | None:
     if scenario.trace is None:
         return None
     try:
-        return registry.drawn_trace(scenario.trace.model_dump(), machine, scenario.start_pose)
-    except registry.PlannerError as error:
+        return registry.sampled_path(scenario.trace.model_dump(), machine, scenario.start_pose)
+    except PlannerError as error:
         raise ScenarioError(f"trace: {error}") from None
 
 
 def stance_at_start(
-    scenario: Scenario, machine: Machine, gait: Gait, height_at: Callable[[float, float], float]
+    scenario: Scenario, machine: Machine, gait: Gait, height_at: HeightAt
 ) -> Stance:
     """The posture a scenario begins in: that of its planner, or its own feet.
 
@@ -90,10 +90,8 @@ def stance_at_start(
     """
     pose = scenario.start_pose
     if scenario.start.feet is None:
-        crab_angle = first_crab_angle(scenario)
-        return registry.start_stance(
-            scenario.planner, machine, gait, crab_angle, pose, height_at, scenario.mode
-        )
+        place = Placement(pose, height_at, first_crab_angle(scenario))
+        return registry.initial_stance(scenario.planner, scenario.mode, machine, gait, place)
     try:
         return stance_on(machine, gait, scenario.start.feet, *pose, height_at)
     except ValueError as error:

@@ -12,14 +12,16 @@ in H §9.3: F1 Level C has called for a plan, F2 the plan is ready, F3 Level C w
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Generator
+from collections.abc import Callable
 from dataclasses import replace
 
 from ..geometry.transforms import attitude_of
+from ..initial_stance import Placement
 from ..motion.body_tilt import LEVEL, leaned, leaning, unleaned
 from ..motion.foot_placement import settle_together
 from ..motion.postures import Choosing, Poses, regroup, sit, stand
 from ..motion.step_builder import changed, holding_plan
+from ..protocols import Planner, PlanningJob
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
 from ..types import (
@@ -81,12 +83,7 @@ POSE_OFF = 0.015
 BODY_OFF = 0.002  # m the body may be; larger: see a push eat up the margin of the next swing
 SAME_GROUND = 0.01  # m; a foothold ahead whose believed height has changed by more is planned anew
 
-PlanStep = Callable[[Stance, Command, TerrainMap], StepPlan | Blocked]
-# pauses after each piece; send(True): the best so far is wanted now
-Thinking = Generator[None, bool | None, StepPlan | Blocked]
-Think = Callable[[Stance, Command, TerrainMap], Thinking]
-# crab angle, x y yaw, ground height
-Layout = Callable[[float, tuple[float, float, float], Callable[[float, float], float]], Stance]
+Layout = Callable[[Placement], Stance]
 
 _MODES = {
     Phase.SUPPORT: Mode.SUPPORT,
@@ -108,7 +105,7 @@ class GaitSupervisor:
         machine: Machine,
         gait: Gait,
         stance: Stance,
-        think: Think,
+        planner: Planner,
         gains: Gains | None = None,
         *,
         layout: Layout,
@@ -116,7 +113,7 @@ class GaitSupervisor:
     ) -> None:
         self.machine = machine
         self.gait = gait
-        self.think = think
+        self.planner = planner
         self.gains = gains or Gains()
         self.layout = layout  # the standard posture of a course
         self.crab_angle = crab_angle  # rad, of the last course commanded
@@ -138,7 +135,7 @@ class GaitSupervisor:
         self.executed: StepPlan | None = None
         self.heading = 0.0  # rad, absolute direction of the course walked
         self.emergent: dict[str, int] = {}
-        self._thinking: Thinking | None = None
+        self._thinking: PlanningJob | None = None
         self._ready: StepPlan | Blocked | None = None
         self._asked: tuple[Stance, Command, TerrainMap] | None = None
         # a step thought through for a command much like this one
@@ -215,6 +212,7 @@ class GaitSupervisor:
     def advance(self, sensing: Sensing, command: Command, terrain: TerrainMap) -> list[Point]:
         """Decide for one tick: foot velocities in body axes, m/s, in leg order."""
         self.executed = None
+        command = self.planner.heed(command)
         if self._rises_to_walk and command.holds:
             self.halt()
         elif not command.holds and (self.wanted or self.low or self.kind == "pose"):
@@ -380,7 +378,7 @@ class GaitSupervisor:
             elif isinstance(before, StepPlan):
                 self._spare = asked[1], before
             self._asked = (stance, command, terrain)
-            self._thinking = self.think(stance, command, terrain)
+            self._thinking = self.planner.plan(stance, command, terrain)
             self._ready = None
             self.flags = (True, False, False)
         if self._ready is None:
@@ -510,7 +508,7 @@ class GaitSupervisor:
         """
         if self._choosing is None:
             x, y, _, yaw = stance.body
-            goal = self.layout(self.crab_angle, (x, y, yaw), terrain.height_at)
+            goal = self.layout(Placement((x, y, yaw), terrain.height_at, self.crab_angle))
             self._choosing = regroup(
                 stance, goal, terrain, self.machine, self.gait, self.crab_angle
             )

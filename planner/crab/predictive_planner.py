@@ -10,8 +10,9 @@ from dataclasses import replace
 from typing import Any
 
 from ..motion.step_builder import plan_on_all_feet
+from ..protocols import run_to_completion
 from ..robot.model import Machine
-from ..search import in_one_go, unhurried
+from ..search import uninterruptible
 from ..terrain.map import TerrainMap
 from ..types import Blocked, Command, Gait, Stance, StepPlan
 from .candidates import ON_THE_SPOT, Field, Sway
@@ -56,18 +57,22 @@ def think(
         field.standard, field.start.posture, field.ground, field.accepts(field.start), notes
     )
     strained = is_strained(field)
-    choice = yield from (unhurried(choose(field, paper)) if strained else choose(field, paper))
+    choice = yield from (
+        uninterruptible(choose(field, paper)) if strained else choose(field, paper)
+    )
     if notes is not None:
         notes["lookahead"] = told(field, choice)
     standard, escape = standard_way(field.standard), None
     if strained and choice.pace < GETS_ON * standard:  # a crossing begun is gone on with
-        escape = yield from unhurried(by_stretching(field, stance, command.crab_angle, choice.pace))
+        escape = yield from uninterruptible(
+            by_stretching(field, stance, command.crab_angle, choice.pace)
+        )
     if escape is None and (choice.pace >= STUCK * standard or not choice.finished):
         answer = first_that_passes(field, stance, choice.ways, command, notes)
         if isinstance(answer, StepPlan):
             return answer
     if escape is None:
-        escape = yield from unhurried(way_out(field, stance, command.crab_angle))
+        escape = yield from uninterruptible(way_out(field, stance, command.crab_angle))
     if escape is not None:
         if notes is not None:
             notes["escape"] = escape.kind
@@ -91,7 +96,7 @@ def at_once(
     explain: bool = False,
 ) -> StepPlan | Blocked:
     """The same without a pause."""
-    return in_one_go(think(stance, command, terrain, machine, gait, explain=explain))
+    return run_to_completion(think(stance, command, terrain, machine, gait, explain=explain))
 
 
 def first_that_passes(

@@ -25,11 +25,9 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import lru_cache
-from typing import Literal
 
 import numpy as np
 
-from ..control.supervisor import Think, Thinking
 from ..motion.body_tilt import (
     LEVEL,
     Frame,
@@ -42,13 +40,11 @@ from ..motion.body_tilt import (
     reaches,
     rounded,
 )
+from ..protocols import BodyAttitude, PlanFunction, PlanningJob
 from ..robot.model import Leg, Machine
 from ..terrain.map import TerrainMap
 from ..types import Array, Command, Gait, Point, Stance, StepPlan
 from .gait import standard_for, stroke_length
-
-Kind = Literal["level", "ground"]
-KINDS: tuple[Kind, ...] = ("level", "ground")
 
 # of the longest stride any lean allows; 1: see it hardly lean at all, 0.3: see it creep with its
 # nose in the air
@@ -78,28 +74,33 @@ SURE = 0.002
 TURNING = 3.5
 
 
-class Attitude:
-    """A ``Think`` that stands on slopes as its machine can: strides fitted, and the body leaning
+class SlopeAdaptation:
+    """A planner that stands on slopes as its machine can: strides fitted, and the body leaning
     when it is to follow the ground.
 
-    ``think`` makes the thought of one machine. The lean is remembered in ``Stance``; ``kind`` may
-    be changed at any time and counts from the next step planned on.
+    ``planner_for`` makes the planner of one machine. The lean is remembered in ``Stance``;
+    ``attitude`` may be changed at any time and counts from the next step planned on.
     """
 
     def __init__(
-        self, machine: Machine, gait: Gait, think: Callable[[Machine], Think], kind: Kind = "level"
+        self,
+        machine: Machine,
+        gait: Gait,
+        planner_for: Callable[[Machine], PlanFunction],
+        attitude: BodyAttitude = "level",
     ) -> None:
-        self.machine, self.gait, self.kind = machine, gait, kind
-        self._think = think
+        self.machine, self.gait = machine, gait
+        self.attitude = attitude
+        self._planner_for = planner_for
         self._shears = Shears()
         self._slope = LEVEL  # that the present strides are fitted to
         # share of the lean it would take on this slope: less after steps with it that stood on an
         # edge
         self._trust = 1.0
 
-    def __call__(self, stance: Stance, command: Command, terrain: TerrainMap) -> Thinking:
+    def __call__(self, stance: Stance, command: Command, terrain: TerrainMap) -> PlanningJob:
         frame = self.frame(stance, command, terrain)
-        answer = yield from self._thought(frame, command)
+        answer = yield from self._planned(frame, command)
         if frame.lean != LEVEL or stance.lean != LEVEL:
             if isinstance(answer, StepPlan) and not on_edge(answer):
                 return frame.restored(answer, stance)
@@ -110,14 +111,14 @@ class Attitude:
                     frame.restored(answer, stance) if isinstance(answer, StepPlan) else answer
                 )
             frame = self.frame(stance, command, terrain, may_lean=False)
-            answer = yield from self._thought(frame, command)
+            answer = yield from self._planned(frame, command)
         if isinstance(answer, StepPlan) or frame.machine is self.machine:
             return answer
         # feet where the shorter strides do not want them
-        return (yield from self._think(self.machine)(stance, command, terrain))
+        return (yield from self._planner_for(self.machine)(stance, command, terrain))
 
-    def _thought(self, frame: Frame, command: Command) -> Thinking:
-        return self._think(frame.machine)(frame.stance, command, frame.terrain)
+    def _planned(self, frame: Frame, command: Command) -> PlanningJob:
+        return self._planner_for(frame.machine)(frame.stance, command, frame.terrain)
 
     def frame(
         self, stance: Stance, command: Command, terrain: TerrainMap, may_lean: bool = True
@@ -153,7 +154,7 @@ class Attitude:
     def _next_lean(self, stance: Stance, command: Command, slope: Lean) -> Lean:
         """One step from the present lean towards the one that follows the ground as far as it may."""
         target = LEVEL
-        if self.kind == "ground":
+        if self.attitude == "ground":
             gx, gy = self._followed(stance, command, slope)
             target = towards_level(self._trust * gx), towards_level(self._trust * gy)
         return approached(stance.lean, target)

@@ -18,8 +18,9 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from ..geometry.paths import arc_exit, arc_of_command
+from ..protocols import run_to_completion
 from ..robot.model import Machine
-from ..search import Option, Search, beam, firsts, in_one_go, unhurried
+from ..search import Option, Search, beam, firsts, uninterruptible
 from ..stability import XY, stable_on_arc, support_polygon
 from ..terrain.map import TerrainMap
 from ..types import Blocked, Command, Gait, Stance, StepPlan
@@ -385,7 +386,7 @@ def plan_turn(
     explain: bool = False,
 ) -> StepPlan | Blocked:
     """The next step of a turning walk from N_k, or why there is none."""
-    return in_one_go(think_turn(stance, command, terrain, machine, gait, explain=explain))
+    return run_to_completion(think_turn(stance, command, terrain, machine, gait, explain=explain))
 
 
 def think_turn(
@@ -414,7 +415,7 @@ def think_turn(
     )
     for depth, width, anywhere in LOOKS[HURRIED:] if outlook.hurries else LOOKS:
         # half a search knows no better than to stay, and a walk of such answers never ends
-        found = yield from unhurried(outlook.look(depth, width, anywhere))
+        found = yield from uninterruptible(outlook.look(depth, width, anywhere))
         if notes is not None:
             notes["lookahead"] = turning_log.weighed(found.ways, depth)
         for way in firsts(found.ways):

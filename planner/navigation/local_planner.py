@@ -22,9 +22,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..crab.gait import critical_angle
+from ..protocols import PlanFunction, PlanningJob
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
-from ..types import Blocked, Command, Stance
+from ..types import Blocked, Command, Stance, StepPlan
 from .costmap import ACROSS, LAYER, Region, Survey, is_plain
 
 Array = NDArray[np.float64]
@@ -50,6 +51,7 @@ DEAD_END = 100.0
 NO_WAY = 0.5  # m; a dead end nearer than this stops the walk
 SLOWEST = 0.25  # of the commanded speed, over ground just ahead that is unknown
 STOP = -1
+COURSES_MAX = 3  # courses offered for one step before the walk is called blocked
 
 _TURNS = [math.atan2(shift * ACROSS, LAYER) for shift in SHIFTS]
 # directions a place may be entered in: the shifts, and sideways
@@ -84,6 +86,69 @@ class RouteState:
     def detours(self) -> bool:
         """True while the walk is off the commanded course on purpose."""
         return self.offset != 0.0 or abs(self.off_line) > ON_LINE
+
+
+class LocalPlanner:
+    """Level B1 between the command and a planner of steps: it asks for the step on a course of its
+    own, and for another where there is none.
+
+    ``cautious``: it slows down before unknown ground. ``stretches``: the walker can stretch its legs
+    beyond their control reach.
+    """
+
+    def __init__(self, cautious: bool = False, stretches: bool = False) -> None:
+        self.cautious = cautious
+        self.stretches = stretches
+        self.route = RouteState()
+        self._commanded: Command | None = None
+
+    def heed(self, command: Command) -> Command:
+        """Note the command of this tick; the same, slowed down where the ground ahead is unknown.
+
+        A command that holds ends the line that was walked along.
+        """
+        self._commanded = command
+        if command.holds:
+            self.route = RouteState()
+        elif self.route.speed_limit < command.speed:
+            return replace(command, speed=self.route.speed_limit)
+        return command
+
+    def plan(
+        self,
+        steps: PlanFunction,
+        machine: Machine,
+        stance: Stance,
+        command: Command,
+        terrain: TerrainMap,
+    ) -> PlanningJob:
+        """The step on the best course that has one; else the answer for the first course."""
+        if self._commanded is not None:
+            command = replace(command, speed=self._commanded.speed)
+        refused: list[float] = []
+        first: tuple[RouteState, StepPlan | Blocked] | None = None
+        for _ in range(COURSES_MAX):
+            steered, route, why = plan_route(
+                self.route,
+                command,
+                stance,
+                terrain,
+                machine,
+                refused,
+                self.cautious,
+                self.stretches,
+            )
+            answer = why or (yield from steps(stance, steered, terrain))
+            first = first or (route, answer)
+            if isinstance(answer, StepPlan):
+                self.route = route
+                return answer
+            if why is not None or command.turn_rate != 0.0:
+                break
+            refused.append(route.offset)
+        assert first is not None
+        self.route = replace(first[0], speed_limit=math.inf)
+        return first[1]
 
 
 def plan_route(

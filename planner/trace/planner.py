@@ -18,8 +18,8 @@ import numpy as np
 
 from ..geometry.paths import SampledPath
 from ..motion.step_builder import changed
+from ..protocols import run_to_completion
 from ..robot.model import Machine
-from ..search import in_one_go
 from ..terrain.map import TerrainMap
 from ..types import Array, Blocked, Command, Gait, Point, Stance, StepPlan
 from .moves import Move, moves_along, step_plan
@@ -76,7 +76,7 @@ def plan_step(
     A ``prediction`` that still serves is used; otherwise one is made here and now.
     """
     if prediction is None or not serves(prediction, stance, command, terrain, machine, trace):
-        prediction = in_one_go(
+        prediction = run_to_completion(
             predicting(stance, command, terrain, machine, gait, trace=trace, rigid=rigid)
         )
     return next_step(prediction, stance, command, terrain, machine, gait, explain=explain)

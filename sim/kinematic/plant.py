@@ -17,11 +17,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
+from walking_console.planner.config import Tolerances
 from walking_console.planner.geometry.transforms import left_fold_sum
+from walking_console.planner.protocols import PlantState
 from walking_console.planner.robot.model import Machine
 from walking_console.planner.stability import GRAVITY, TIP_SLACK, polygon_margin, support_polygon
 from walking_console.planner.types import TICK, Point, Sensing, Stance
@@ -78,7 +79,6 @@ RESTS_MAX = 8
 ON_GROUND = 0.005  # m; a foot of the start stance this near the ground stands on it
 
 Step = tuple[float, float, float]  # m in one tick, body axes
-State = Literal["standing", "tipping", "fallen"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,6 +93,8 @@ class KinematicPlant:
     """The simulated machine on its ground. ``body`` is x, y, z, roll, pitch, yaw; ``feet`` are foot
     tips, absolute.
     """
+
+    tolerances = Tolerances()  # servos follow exactly: what is off is off by rounding
 
     def __init__(
         self,
@@ -120,7 +122,7 @@ class KinematicPlant:
         self.whiskers = [0] * len(self.feet)
         self.rims = [0] * len(self.feet)
         self.slipping = [False] * len(self.feet)
-        self.state: State = "standing"
+        self.state: PlantState = "standing"
         self._stride = tuple(limit * TICK for limit in machine.speed)
         self._reach = tuple(_mechanical(machine, leg) for leg in range(len(machine.legs)))
         self._turned: Rotation = rotation(0.0, 0.0, yaw)

@@ -13,21 +13,28 @@ from walking_console.planner.crab.slope_adaptation import (
     LEAN_GRAIN,
     SHARE,
     SLACK,
-    Attitude,
+    SlopeAdaptation,
     fitted,
     fitted_at_start,
     followed,
     plane_of,
     slope_under,
 )
+from walking_console.planner.initial_stance import Placement
 from walking_console.planner.motion.body_tilt import LEAN_STEP, LEVEL
+from walking_console.planner.protocols import Planner, PlannerError, PlannerSetup, run_to_completion
 from walking_console.planner.robot.model import Machine, load_machine
-from walking_console.planner.search import in_one_go
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.types import Command, Gait, Stance, StepPlan
 
 TITAN = load_machine("titan3")
 GAIT = Gait(TITAN.duty_factor, TITAN.lift_up, TITAN.lift_down, TITAN.height)
+
+
+def planner(mode: str, attitude: str = "level") -> Planner:
+    return registry.make_planner("crab", PlannerSetup(TITAN, GAIT, mode, attitude))
+
+
 CELL = 0.05
 LEVELS = (LEVEL, LEVEL)
 
@@ -133,8 +140,9 @@ def test_a_machine_that_turns_fits_every_heading() -> None:
 
 def test_the_start_posture_of_the_printed_modes_stays_as_it_was() -> None:
     terrain, pose = inclined(25), (0.0, 0.0, 0.0)
-    printed = registry.start_stance("crab", TITAN, GAIT, 0.0, pose, terrain.height_at, "paper")
-    fits = registry.start_stance("crab", TITAN, GAIT, 0.0, pose, terrain.height_at, "predictive")
+    place = Placement(pose, terrain.height_at)
+    printed = registry.initial_stance("crab", "paper", TITAN, GAIT, place)
+    fits = registry.initial_stance("crab", "predictive", TITAN, GAIT, place)
     assert printed == start(terrain)
     assert max(f[0] for f in fits.feet) < max(f[0] for f in printed.feet)
     assert fitted_at_start(TITAN, GAIT, 0.0, pose, lambda x, y: 0.0) is TITAN
@@ -171,7 +179,7 @@ def test_points_in_a_line_make_no_slope() -> None:
 
 
 def test_a_slope_that_hardly_changes_keeps_the_strides() -> None:
-    walks = Attitude(TITAN, GAIT, lambda machine: registry.crab_brain("paper", machine, GAIT))
+    walks = SlopeAdaptation(TITAN, GAIT, lambda machine: planner("paper").plan)
     stance, command = start(inclined(24.9, 45)), Command(0.0, 0.08)
     machines = {
         id(walks.frame(stance, command, inclined(degrees, 45)).machine)
@@ -216,8 +224,7 @@ def test_a_diagonal_slope_of_25_degrees_is_walked_in_longer_strides_with_a_lean(
 
 
 def test_a_leaning_body_leans_slowly_and_comes_back_to_level() -> None:
-    walks, command = registry.crab_brain("predictive", TITAN, GAIT, "ground"), Command(0.0, 0.08)
-    assert isinstance(walks, Attitude)
+    walks, command = planner("predictive", "ground"), Command(0.0, 0.08)
     hill, flat = inclined(10), inclined(0)
     stance, leans = start(hill), [LEVEL]
     for step in range(20):
@@ -225,7 +232,7 @@ def test_a_leaning_body_leans_slowly_and_comes_back_to_level() -> None:
             # the same posture, set down on level ground
             lifted = tuple((x, y, 0.0) for x, y, _ in stance.feet)
             stance = replace(stance, body=(*stance.body[:2], GAIT.height, 0.0), feet=lifted)
-        plan = in_one_go(walks(stance, command, hill if step < 8 else flat))
+        plan = run_to_completion(walks.plan(stance, command, hill if step < 8 else flat))
         assert (
             isinstance(plan, StepPlan) and math.dist(plan.end.lean, leans[-1]) <= LEAN_STEP + 1e-12
         )
@@ -240,19 +247,19 @@ def test_a_leaning_body_leans_slowly_and_comes_back_to_level() -> None:
 
 def test_a_level_attitude_never_leans_and_hands_the_step_on_untouched() -> None:
     terrain, command = inclined(10), Command(0.0, 0.08)
-    level = registry.crab_brain("predictive", TITAN, GAIT)
-    plan = in_one_go(level(start(terrain), command, terrain))
+    level = planner("predictive")
+    plan = run_to_completion(level.plan(start(terrain), command, terrain))
     assert isinstance(plan, StepPlan) and plan.lean is None and plan.end.lean == LEVEL
 
 
 def test_the_attitude_may_change_its_mind_and_other_planners_refuse() -> None:
-    walks = registry.crab_brain("predictive", TITAN, GAIT)
-    registry.take_attitude(walks, "ground")
-    assert registry.attitude_of(walks) == "ground"
-    printed = registry.crab_brain("paper", TITAN, GAIT)
-    registry.take_attitude(printed, "level")
-    with pytest.raises(registry.PlannerError, match="predictive"):
-        registry.take_attitude(printed, "ground")
-    with pytest.raises(registry.PlannerError, match="there are: level, ground"):
-        registry.take_attitude(walks, "askew")
-    assert registry.attitude_of(printed) == "level"
+    walks = planner("predictive")
+    walks.take_attitude("ground")
+    assert walks.attitude == "ground"
+    printed = planner("paper")
+    printed.take_attitude("level")
+    with pytest.raises(PlannerError, match="predictive"):
+        printed.take_attitude("ground")
+    with pytest.raises(PlannerError, match="there are: level, ground"):
+        walks.take_attitude("askew")
+    assert printed.attitude == "level"

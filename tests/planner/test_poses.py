@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 
 from tests.sweeps.postures import MACHINES, gait_of, ground_of, random_stance
+from walking_console.planner.initial_stance import Placement
 from walking_console.planner.motion.postures import GIVE, STILL, THERE, Poses, regroup, sit, stand
 from walking_console.planner.motion.swing import CLEARANCE
-from walking_console.planner.registry import start_stance
+from walking_console.planner.protocols import run_to_completion
+from walking_console.planner.registry import initial_stance
 from walking_console.planner.robot.model import Machine, load_machine
-from walking_console.planner.search import in_one_go
 from walking_console.planner.stability import polygon_margin, support_polygon
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.types import Blocked, Gait, Phase, Stance, StepPlan
@@ -128,10 +129,14 @@ def test_from_every_posture_the_feet_come_back_into_the_standard_layout(
         terrain = ground_of(kind, machine, rng)
         stance = random_stance(machine, gait, terrain, rng)
         angle = float(rng.uniform(-math.pi, math.pi))
-        goal = start_stance(
-            MACHINES[name], machine, gait, angle, (0.0, 0.0, stance.body[3]), terrain.height_at
+        goal = initial_stance(
+            MACHINES[name],
+            "",
+            machine,
+            gait,
+            Placement((0.0, 0.0, stance.body[3]), terrain.height_at, angle),
         )
-        plans = in_one_go(regroup(stance, goal, terrain, machine, gait, angle))
+        plans = run_to_completion(regroup(stance, goal, terrain, machine, gait, angle))
         if isinstance(plans, Blocked):
             stuck.append(plans.reason)
             continue
@@ -169,12 +174,18 @@ def test_from_the_standard_posture_of_every_course_to_that_of_every_other(
         ground_of("level", machine, np.random.default_rng(1)),
     )
     layouts = [
-        start_stance("crab", machine, gait, math.radians(d), (0.0, 0.0, 0.0), terrain.height_at)
+        initial_stance(
+            "crab",
+            "",
+            machine,
+            gait,
+            Placement((0.0, 0.0, 0.0), terrain.height_at, math.radians(d)),
+        )
         for d in range(-180, 180, 30)
     ]
     for stance in layouts:
         for goal in layouts:
-            plans = in_one_go(regroup(stance, goal, terrain, machine, gait))
+            plans = run_to_completion(regroup(stance, goal, terrain, machine, gait))
             assert not isinstance(plans, Blocked), plans.reason
             assert_sound(plans, stance, terrain, machine)
             assert all(
@@ -214,7 +225,9 @@ def test_it_sits_down_on_its_feet_and_stands_up_again(name: str, kind: str) -> N
 def level_stance(machine: Machine) -> tuple[Stance, Gait, TerrainMap]:
     gait, terrain = gait_of(machine), ground_of("level", machine, np.random.default_rng(1))
     return (
-        start_stance("crab", machine, gait, 0.0, (0.0, 0.0, 0.0), terrain.height_at),
+        initial_stance(
+            "crab", "", machine, gait, Placement((0.0, 0.0, 0.0), terrain.height_at, 0.0)
+        ),
         gait,
         terrain,
     )
@@ -246,7 +259,9 @@ def test_how_low_it_sits_is_what_the_legs_reach_or_what_the_torso_clears() -> No
 def test_a_small_machine_lies_nearly_on_the_ground() -> None:
     machine = load_machine("phantomx")
     gait, terrain = gait_of(machine), ground_of("level", machine, np.random.default_rng(1))
-    stance = start_stance("trace", machine, gait, 0.0, (0.0, 0.0, 0.0), terrain.height_at)
+    stance = initial_stance(
+        "trace", "", machine, gait, Placement((0.0, 0.0, 0.0), terrain.height_at, 0.0)
+    )
     plans = sit(stance, terrain, machine, gait)
     assert not isinstance(plans, Blocked)
     assert plans[-1].end.body[2] == pytest.approx(0.045, abs=0.006)
@@ -276,7 +291,7 @@ def test_with_a_foot_in_the_air_no_posture_is_taken() -> None:
     stance, gait, terrain = level_stance(machine)
     hanging = replace(stance, lifted=(2,))
     for answer in (sit(hanging, terrain, machine, gait), stand(hanging, terrain, machine, gait),
-                   in_one_go(regroup(hanging, stance, terrain, machine, gait))):  # fmt: skip
+                   run_to_completion(regroup(hanging, stance, terrain, machine, gait))):  # fmt: skip
         assert isinstance(answer, Blocked) and answer.leg == 2 and "set down first" in answer.reason
 
 
@@ -288,14 +303,14 @@ def test_feet_that_stand_in_their_places_stay_there() -> None:
         feet=((stance.feet[0][0] - 0.008, *stance.feet[0][1:]), *stance.feet[1:]),
         last_swing=-1,
     )
-    plans = in_one_go(regroup(nudged, stance, terrain, machine, gait))
+    plans = run_to_completion(regroup(nudged, stance, terrain, machine, gait))
     assert not isinstance(plans, Blocked)
     assert all(plan.swing == () for plan in plans) and plans[-1].end.feet == nudged.feet
     assert plans[-1].end.last_swing == stance.last_swing
     moved = replace(
         stance, feet=((stance.feet[0][0] - 0.05, *stance.feet[0][1:]), *stance.feet[1:])
     )
-    plans = in_one_go(regroup(moved, stance, terrain, machine, gait))
+    plans = run_to_completion(regroup(moved, stance, terrain, machine, gait))
     assert not isinstance(plans, Blocked)
     assert [plan.swing for plan in plans if plan.swing] == [(0,)] and plans[
         -1
@@ -309,7 +324,7 @@ def test_where_nothing_may_be_stepped_on_it_says_of_which_leg() -> None:
     there = replace(
         stance, body=(5.0, *stance.body[1:]), feet=tuple((x + 5.0, y, z) for x, y, z in stance.feet)
     )
-    answer = in_one_go(regroup(stance, there, nowhere, machine, gait))
+    answer = run_to_completion(regroup(stance, there, nowhere, machine, gait))
     assert isinstance(answer, Blocked) and answer.leg == 0 and "no foothold" in answer.reason
 
 
@@ -317,7 +332,9 @@ def test_the_search_is_the_same_every_time_and_pauses() -> None:
     machine, rng = load_machine("titan3"), np.random.default_rng(3)
     gait, terrain = gait_of(machine), ground_of("30 % forbidden", machine, rng)
     stance = random_stance(machine, gait, terrain, rng)
-    goal = start_stance("crab", machine, gait, 0.4, (0.0, 0.0, stance.body[3]), terrain.height_at)
+    goal = initial_stance(
+        "crab", "", machine, gait, Placement((0.0, 0.0, stance.body[3]), terrain.height_at, 0.4)
+    )
 
     def searched() -> tuple[int, list[list[float]]]:
         thinking, pauses = regroup(stance, goal, terrain, machine, gait), 0

@@ -14,10 +14,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from walking_console.planner.initial_stance import Placement
 from walking_console.planner.motion.postures import height_limits, regroup, standing_height
-from walking_console.planner.registry import start_stance
+from walking_console.planner.protocols import run_to_completion
+from walking_console.planner.registry import initial_stance
 from walking_console.planner.robot.model import Machine, load_machine
-from walking_console.planner.search import in_one_go
 from walking_console.planner.stability import polygon_margin, support_polygon
 from walking_console.planner.terrain.map import TerrainMap, classify
 from walking_console.planner.types import Blocked, Gait, Stance
@@ -104,12 +105,16 @@ def row(name: str, kind: str, count: int) -> str:
             random_stance(machine, gait, terrain, rng),
             float(rng.uniform(-math.pi, math.pi)),
         )
-        goal = start_stance(
-            planner, machine, gait, angle, (0.0, 0.0, stance.body[3]), terrain.height_at
+        goal = initial_stance(
+            planner,
+            "",
+            machine,
+            gait,
+            Placement((0.0, 0.0, stance.body[3]), terrain.height_at, angle),
         )
         terrain.crest_between(0.0, 0.0, 0.1, 0.0)  # a walk's map has its crests long since
         begun = time.process_time()
-        plans = in_one_go(regroup(stance, goal, terrain, machine, gait, angle))
+        plans = run_to_completion(regroup(stance, goal, terrain, machine, gait, angle))
         thought.append(time.process_time() - begun)
         if isinstance(plans, Blocked):
             stuck += 1

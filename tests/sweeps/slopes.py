@@ -12,7 +12,8 @@ import math
 from dataclasses import dataclass
 
 from walking_console.planner.crab.gait import standard_for, stroke_length
-from walking_console.planner.crab.slope_adaptation import KINDS, fitted, followed
+from walking_console.planner.crab.slope_adaptation import fitted, followed
+from walking_console.planner.protocols import ATTITUDES
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.types import Command, Gait
 from walking_console.sim.runs.recorder import Recorder
@@ -113,7 +114,7 @@ def walks(every: float, steps: int) -> None:
     print("|---" * len(columns) + "|")
     courses = [k * every for k in range(round(360 / every))]
     for slope in SLOPES:
-        for attitude in KINDS:
+        for attitude in ATTITUDES:
             found = {course: walked(slope, course, attitude, steps) for course in courses}
             good = [walk for walk in found.values() if not walk.ended and walk.margin >= LOWEST]
             worst = min(found, key=lambda course: found[course].share)

@@ -147,12 +147,12 @@ def test_holes_found_by_touch_stay_on_the_map():
 def test_letting_go_of_the_stick_forgets_the_line():
     console = console_of("flat")
     walk_on(console, 200)
-    assert console.route.line == (0.0, 0.0, 0.0)
+    assert console.planner.route.line == (0.0, 0.0, 0.0)
     walk_on(console, 100, Command())
-    assert console.route == RouteState()
+    assert console.planner.route == RouteState()
     x = console.plant.body[0]
     walk_on(console, 100)
-    assert console.route.line[0] == pytest.approx(x)
+    assert console.planner.route.line[0] == pytest.approx(x)
 
 
 def test_settings_of_the_eye_are_checked():

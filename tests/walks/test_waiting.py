@@ -32,7 +32,7 @@ def thinker(console, pieces):
 
 def ticks_to_the_first_step(pieces):
     console = Simulation(prepare(load_scenario("flat", ["detours=false"])))
-    console.walk.think, asked = thinker(console, pieces)
+    console.planner.plan, asked = thinker(console, pieces)
     console.order(WALK)
     for tick in range(1, 12):
         console.step()

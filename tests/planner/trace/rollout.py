@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from walking_console.planner.geometry.paths import SampledPath
-from walking_console.planner.registry import square_stance
+from walking_console.planner.initial_stance import Placement, square_stance
 from walking_console.planner.robot.model import Machine
 from walking_console.planner.stability import MARGIN_SLACK, polygon_margin, support_polygon
 from walking_console.planner.terrain.map import TerrainMap
@@ -61,9 +61,8 @@ def walk(
 ) -> Walked:  # fmt: skip
     gait = gait_of(machine)
     pose = trace.pose(0.0) if trace is not None else (0.0, 0.0, 0.0)
-    now = stance or square_stance(
-        machine, gait, pose, lambda x, y: 0.0 if terrain.is_level else terrain.height_at(x, y)
-    )
+    place = Placement(pose, lambda x, y: 0.0 if terrain.is_level else terrain.height_at(x, y))
+    now = stance or square_stance(machine, gait, place)
     out, think = Walked(now), TraceWalk(machine, gait, trace, rigid)
     for _ in range(steps):
         thinking = think(now, command, terrain)

@@ -8,8 +8,8 @@ import pytest
 from tests.planner.trace.exhaustive import farthest_reachable
 from tests.planner.trace.rollout import field_of, gait_of
 from walking_console.planner.geometry.paths import SampledPath
+from walking_console.planner.protocols import run_to_completion
 from walking_console.planner.robot.model import Machine, load_machine
-from walking_console.planner.search import in_one_go
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.trace.paths import STEP, trace_from
 from walking_console.planner.trace.reachability import (
@@ -66,7 +66,7 @@ def test_on_open_ground_the_leg_that_must_leave_first_is_lifted_and_put_down_ahe
 def test_successive_states_overlap() -> None:
     """K: the necessary and sufficient condition for a stable motion."""
     field, start = field_on_trace(field_of(0.04, 3, HEXAPOD), 320)
-    path = in_one_go(search(field, start, 320, 40_000))
+    path = run_to_completion(search(field, start, 320, 40_000))
     assert path.complete
     for before, after in zip(path.states, path.states[1:], strict=False):
         assert field.valid(before.feet) & field.valid(after.feet)
@@ -92,7 +92,7 @@ def test_where_an_exhaustive_search_finds_a_way_so_does_the_planner_and_nowhere_
         course.yaw[: samples + 1].copy(),
     )
     most = farthest_reachable(HEXAPOD, terrain, short, tuple(leg.centre for leg in HEXAPOD.legs))
-    path = in_one_go(search(field, start, samples, 1_000_000))
+    path = run_to_completion(search(field, start, samples, 1_000_000))
     assert path.farthest == most
     assert path.complete == (most == samples)
 
@@ -130,6 +130,6 @@ def test_with_sway_a_field_can_be_crossed_that_the_trace_alone_cannot() -> None:
         start = State(
             tuple(field.stand(leg, (*d.centre, 0.0), 0) for leg, d in enumerate(HEXAPOD.legs)), 0
         )
-        reached.append(in_one_go(search(field, start, 320, 40_000)).farthest)
+        reached.append(run_to_completion(search(field, start, 320, 40_000)).farthest)
     assert reached[1] >= reached[0]
     assert math.isclose(reached[1], 320, abs_tol=0)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from tests.planner.trace.rollout import faults_of, field_of, gait_of, walk
-from walking_console.planner.registry import square_stance
+from walking_console.planner.initial_stance import Placement, square_stance
+from walking_console.planner.protocols import run_to_completion
 from walking_console.planner.robot.model import load_machine, machine_from
-from walking_console.planner.search import in_one_go
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.trace.paths import trace_for
 from walking_console.planner.trace.periodic_gaits import GAITS
@@ -83,7 +83,7 @@ def test_the_joystick_may_change_its_mind_at_every_step() -> None:
     rng = np.random.default_rng(7)
     think, now = (
         TraceWalk(HEXAPOD, gait_of(HEXAPOD)),
-        square_stance(HEXAPOD, gait_of(HEXAPOD), (0.0, 0.0, 0.0), lambda x, y: 0.0),
+        square_stance(HEXAPOD, gait_of(HEXAPOD), Placement((0.0, 0.0, 0.0), lambda x, y: 0.0)),
     )
     for _ in range(40):
         command = Command(
@@ -100,7 +100,7 @@ def test_the_joystick_may_change_its_mind_at_every_step() -> None:
 def finished(
     think: TraceWalk, stance: Stance, command: Command, terrain: TerrainMap
 ) -> StepPlan | Blocked:
-    return in_one_go(think(stance, command, terrain))
+    return run_to_completion(think(stance, command, terrain))
 
 
 @pytest.mark.parametrize("name", GAITS)
@@ -180,7 +180,7 @@ def test_the_walker_is_slower_where_footholds_are_far_apart() -> None:
 
 
 def test_a_slower_command_makes_a_slower_step_over_the_same_ground() -> None:
-    stance = square_stance(HEXAPOD, gait_of(HEXAPOD), (0.0, 0.0, 0.0), lambda x, y: 0.0)
+    stance = square_stance(HEXAPOD, gait_of(HEXAPOD), Placement((0.0, 0.0, 0.0), lambda x, y: 0.0))
     trace = trace_for({"kind": "line"}, HEXAPOD)
     fast, slow = (
         plan_step(stance, Command(speed=v), EVERYWHERE, HEXAPOD, gait_of(HEXAPOD), trace=trace)
@@ -216,7 +216,7 @@ def test_when_the_map_grows_it_walks_on() -> None:
     seen = TerrainMap(np.where(forbidden, np.nan, 0.0), forbidden, 0.05, EVERYWHERE.origin)
     trace = trace_for({"kind": "line"}, HEXAPOD)
     think = TraceWalk(HEXAPOD, gait_of(HEXAPOD), trace)
-    now = square_stance(HEXAPOD, gait_of(HEXAPOD), (0.0, 0.0, 0.0), lambda x, y: 0.0)
+    now = square_stance(HEXAPOD, gait_of(HEXAPOD), Placement((0.0, 0.0, 0.0), lambda x, y: 0.0))
     for terrain in (seen, EVERYWHERE):
         while isinstance(answer := finished(think, now, WALKING, terrain), StepPlan):
             now = answer.end
@@ -225,7 +225,7 @@ def test_when_the_map_grows_it_walks_on() -> None:
 
 def test_it_leaves_a_posture_that_is_not_its_own() -> None:
     """Feet set down anywhere by a stop in mid-step are footholds like any other."""
-    stance = square_stance(HEXAPOD, gait_of(HEXAPOD), (0.0, 0.0, 0.0), lambda x, y: 0.0)
+    stance = square_stance(HEXAPOD, gait_of(HEXAPOD), Placement((0.0, 0.0, 0.0), lambda x, y: 0.0))
     moved = Stance((0.07, -0.03, stance.body[2], 0.02), stance.feet, course=0.05)
     answer = plan_step(
         moved,
@@ -243,7 +243,7 @@ def test_feet_set_down_beyond_their_rectangles_are_walked_away_from() -> None:
     """A stop in mid-step may use the mechanical reach: such a foot stays until it is lifted, and
     gets no farther out.
     """
-    stance = square_stance(HEXAPOD, gait_of(HEXAPOD), (0.0, 0.0, 0.0), lambda x, y: 0.0)
+    stance = square_stance(HEXAPOD, gait_of(HEXAPOD), Placement((0.0, 0.0, 0.0), lambda x, y: 0.0))
     # fore feet 3 cm behind, hind feet 3 cm beyond
     astray = Stance((0.33, 0.02, stance.body[2], 0.0), stance.feet, course=0.33)
     walked = walk(
@@ -266,7 +266,7 @@ def test_feet_set_down_beyond_their_rectangles_are_walked_away_from() -> None:
 def test_a_posture_less_stable_than_the_margin_is_left_without_becoming_less_so(
     margin: float,
 ) -> None:
-    stance = square_stance(HEXAPOD, gait_of(HEXAPOD), (0.0, 0.0, 0.0), lambda x, y: 0.0)
+    stance = square_stance(HEXAPOD, gait_of(HEXAPOD), Placement((0.0, 0.0, 0.0), lambda x, y: 0.0))
     # the edge the body is about to cross
     (ax, ay), (bx, by) = stance.feet[4][:2], stance.feet[0][:2]
     x = (ax + bx) / 2 - margin * math.hypot(bx - ax, by - ay) / (by - ay)
@@ -279,7 +279,7 @@ def test_a_posture_less_stable_than_the_margin_is_left_without_becoming_less_so(
 
 
 def test_a_machine_that_does_not_stand_has_no_step() -> None:
-    stance = square_stance(HEXAPOD, gait_of(HEXAPOD), (0.0, 0.0, 0.0), lambda x, y: 0.0)
+    stance = square_stance(HEXAPOD, gait_of(HEXAPOD), Placement((0.0, 0.0, 0.0), lambda x, y: 0.0))
     toppling = Stance((0.36, 0.0, stance.body[2], 0.0), stance.feet, lifted=(1, 3, 5), course=0.36)
     answer = plan_step(
         toppling,

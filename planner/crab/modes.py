@@ -1,0 +1,123 @@
+"""Hirose's planner as a whole, in its three modes: detours, slopes and steps in one object.
+
+From the command down: ``SlopeAdaptation`` gives the machine and the frame to plan in (mode
+``predictive`` only), ``LocalPlanner`` (Level B1) the course, and the mode's own planner the step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from ..navigation.local_planner import LocalPlanner, RouteState
+from ..protocols import (
+    BodyAttitude,
+    Capabilities,
+    PlanFunction,
+    Planner,
+    PlannerError,
+    PlannerSetup,
+    PlanningJob,
+    checked_attitude,
+)
+from ..robot.model import Machine
+from ..terrain.map import TerrainMap
+from ..types import Blocked, Command, Gait, Stance, StepPlan
+from . import baseline, predictive_planner
+from .planner import plan_step
+from .slope_adaptation import SlopeAdaptation
+
+# The crab walk has a standard margin of 0 at β = 0.75 (H §4.3 (3)).
+PAPER = Capabilities(
+    leg_counts=(4,),
+    takes_detours=True,
+    gives_decision=True,
+    has_standard_layout=True,
+    duty_factor_min=0.75,
+)
+PREDICTIVE = PAPER.but(may_lean=True, fits_slopes=True)
+NAIVE = PAPER.but(takes_detours=False, turns=False)
+
+
+class CrabPlanner(Planner):
+    """Hirose's planner: ``predictive``, ``paper``, or ``naive`` to show what the paper warns of."""
+
+    def __init__(self, setup: PlannerSetup, capabilities: Capabilities) -> None:
+        self._capabilities = capabilities
+        self._steps = _STEP_PLANNERS[setup.mode](setup.gait, setup.explain)
+        self._local: LocalPlanner | None = None
+        if setup.detours and capabilities.takes_detours:
+            self._local = LocalPlanner(setup.cautious, stretches=capabilities.fits_slopes)
+        self._slopes: SlopeAdaptation | None = None
+        self._plan = self._planner_for(setup.machine)
+        if capabilities.fits_slopes:
+            self._slopes = SlopeAdaptation(setup.machine, setup.gait, self._planner_for)
+            self._plan = self._slopes
+        self.take_attitude(setup.attitude)
+
+    def _planner_for(self, machine: Machine) -> PlanFunction:
+        """What plans the steps of one machine, on courses of Level B1 if there is one."""
+        steps = self._steps(machine)
+        return steps if self._local is None else partial(self._local.plan, steps, machine)
+
+    @property
+    def capabilities(self) -> Capabilities:
+        return self._capabilities
+
+    @property
+    def route(self) -> RouteState:
+        """What Level B1 remembers; as at the beginning when there is none."""
+        return RouteState() if self._local is None else self._local.route
+
+    def plan(self, stance: Stance, command: Command, terrain: TerrainMap) -> PlanningJob:
+        return self._plan(stance, command, terrain)
+
+    def heed(self, command: Command) -> Command:
+        return command if self._local is None else self._local.heed(command)
+
+    @property
+    def attitude(self) -> BodyAttitude:
+        return "level" if self._slopes is None else self._slopes.attitude
+
+    def take_attitude(self, attitude: str) -> None:
+        wanted = checked_attitude(attitude)
+        if self._slopes is not None:
+            self._slopes.attitude = wanted
+        elif wanted != self.attitude:
+            raise PlannerError(
+                'the body follows the ground only with the crab planner in mode "predictive"'
+            )
+
+
+def _predictive(gait: Gait, explain: bool) -> Callable[[Machine], PlanFunction]:
+    return lambda machine: partial(
+        predictive_planner.think, machine=machine, gait=gait, explain=explain
+    )
+
+
+def _as_printed(gait: Gait, explain: bool) -> Callable[[Machine], PlanFunction]:
+    return lambda machine: _without_pause(
+        partial(plan_step, machine=machine, gait=gait, explain=explain)
+    )
+
+
+def _naive(gait: Gait, explain: bool) -> Callable[[Machine], PlanFunction]:
+    return lambda machine: _without_pause(
+        partial(baseline.plan_step, machine=machine, gait=gait, explain=explain)
+    )
+
+
+def _without_pause(
+    step: Callable[[Stance, Command, TerrainMap], StepPlan | Blocked],
+) -> PlanFunction:
+    """A planner that answers at once, as one that could have paused."""
+
+    def plan(stance: Stance, command: Command, terrain: TerrainMap) -> PlanningJob:
+        return step(stance, command, terrain)
+        yield
+
+    return plan
+
+
+MODES = {"predictive": PREDICTIVE, "paper": PAPER, "naive": NAIVE}
+_STEP_PLANNERS = {"predictive": _predictive, "paper": _as_printed, "naive": _naive}
