@@ -146,6 +146,32 @@ def polygon_margin(polygon: Polygon, x: float, y: float) -> float:
     return least
 
 
+def capture_margin(
+    polygon: Polygon, x: float, y: float, velocity: XY, height: float, gravity: float = GRAVITY
+) -> float:
+    """The polygon margin less what a dead stop needs, m: negative where it would tip.
+
+    A body at ``height`` m over its feet that moves at ``velocity``, m/s, comes to rest over a point
+    v·√(h/g) ahead (the capture point, Pratt et al. 2006); towards each edge that much is taken off.
+    Moving away from an edge adds nothing.
+    """
+    if len(polygon) < 3:
+        return -math.inf
+    time = math.sqrt(max(height, 0.0) / gravity)
+    least = math.inf
+    ax, ay = polygon[-1]
+    for bx, by in polygon:
+        ex = bx - ax
+        ey = by - ay
+        length = math.sqrt(ex * ex + ey * ey)
+        distance = (ex * (y - ay) - ey * (x - ax)) / length
+        outward = (ey * velocity[0] - ex * velocity[1]) / length
+        least = min(least, distance - max(outward, 0.0) * time)
+        ax = bx
+        ay = by
+    return least
+
+
 def longitudinal_margin(polygon: Polygon, x: float, y: float, ux: float, uy: float) -> float:
     """The longitudinal stability margin s, m (H §2.4): least distance to the polygon's edge along
     ±(ux, uy).

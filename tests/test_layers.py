@@ -55,7 +55,10 @@ def planner_row(may: str, never: str = "") -> Rule:
 
 
 # The planner from the ground up: each folder may import those before it.
-FLOORS = "types geometry config robot terrain protocols stability search motion initial_stance navigation control"
+FLOORS = (
+    "types geometry config robot terrain protocols stability simplex statics search motion "
+    "initial_stance navigation control"
+)
 
 
 def below(folder: str) -> str:
@@ -65,7 +68,7 @@ def below(folder: str) -> str:
 
 SIM_SEES = within(
     "planner",
-    "types protocols config geometry robot terrain stability registry initial_stance control",
+    "types protocols config geometry robot terrain stability statics registry initial_stance control",
 )
 WEB_SEES = (
     f"walking_console.sim.snapshot {within('planner', 'types config stability robot geometry')}"
