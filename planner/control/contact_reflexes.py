@@ -18,9 +18,9 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import NamedTuple
 
-from ..motion.foot_placement import settle_plan
-from ..motion.step_builder import body_still_plan
-from ..motion.swing import swing_speeds
+from ..motion.foot_placement import place_foot
+from ..motion.step_builder import FootWay, body_still_plan
+from ..motion.swing import profile_of, swing_speeds
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
 from ..types import Blocked, Gait, Phase, Point, Stance, StepPlan
@@ -177,7 +177,7 @@ def _withdraw(encounter: Encounter, at: Situation) -> StepPlan:
 
 def _place(encounter: Encounter, at: Situation) -> StepPlan | Blocked:
     """To the nearest ground not yet known to be bad, from where the foot is, backwards included."""
-    return settle_plan(at.here, encounter.leg, at.terrain, at.machine, at.gait)
+    return place_foot(at.here, encounter.leg, at.terrain, at.machine, at.gait)
 
 
 _MOTIONS: dict[State, Callable[[Encounter, Situation], StepPlan | Blocked]] = {
@@ -201,7 +201,8 @@ def _moved(
         max(math.hypot(b[0] - a[0], b[1] - a[1]) / across, abs(b[2] - a[2]) / vertical)
         for a, b in zip(points, points[1:], strict=False)
     )
-    return body_still_plan(at.here, leg, points, seconds, phases, knots[-1])
+    way = FootWay(points, knots[-1])
+    return body_still_plan(at.here, {leg: way}, seconds, phases, profile_of(at.gait))
 
 
 def ceiling(here: Stance, leg: int, machine: Machine) -> float:

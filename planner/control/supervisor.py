@@ -18,7 +18,7 @@ from dataclasses import replace
 from ..geometry.transforms import attitude_of
 from ..initial_stance import Placement
 from ..motion.body_tilt import LEVEL, leaned, leaning, unleaned
-from ..motion.foot_placement import settle_together
+from ..motion.foot_placement import place_feet
 from ..motion.postures import Choosing, Poses, regroup, sit, stand
 from ..motion.step_builder import changed, holding_plan
 from ..protocols import Planner, PlanningJob
@@ -608,7 +608,7 @@ class GaitSupervisor:
         here = self._actual(sensing, plan.end)
         self._forget()
         frame = leaning(here, terrain, self.machine)
-        settling = settle_together(frame.stance, airborne, frame.terrain, frame.machine, self.gait)
+        settling = place_feet(frame.stance, airborne, frame.terrain, frame.machine, self.gait)
         if isinstance(settling, Blocked):
             self._hover(settling)
         else:

@@ -12,18 +12,16 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from ..robot.model import Leg, Machine
 from ..terrain.map import TerrainMap
-from ..types import Blocked, Gait, Phase, Point, Stance, StepPlan
-from .step_builder import body_still_plan, plan_from_knots
-from .swing import aim_of, swing_speeds
+from ..types import Blocked, Gait, Point, Stance, StepPlan
+from .step_builder import FootWay, body_still_plan
+from .swing import CLEARANCE, STRETCHES, SwingCorners, aim_of, profile_of, swing_speeds
 
-CLEARANCE = 0.03  # m above the highest ground on the way; smaller and toes scrape
+STAYS = 1e-6  # m; a foot this near above its landing point goes straight down
 
 
-def settle_plan(
+def place_foot(
     stance: Stance, leg: int, terrain: TerrainMap, machine: Machine, gait: Gait
 ) -> StepPlan | Blocked:
     """Set the lifted foot of ``leg`` down on the nearest valid ground within its reach; the body
@@ -32,70 +30,61 @@ def settle_plan(
     ``stance`` holds the present pose with the foot in the air. Blocked when there is no such
     ground.
     """
-    landing = nearest_ground(stance, leg, terrain, machine)
-    if landing is None:
+    way = _way_down(stance, leg, terrain, machine, gait)
+    if way is None:
         return Blocked("no ground within reach to set the lifted foot down", leg)
-    foot = stance.feet[leg]
-    top = max(foot[2], terrain.crest_between(foot[0], foot[1], landing[0], landing[1]) + CLEARANCE)
-    ahead, left, vertical = swing_speeds(machine, gait)
-    across = min(ahead, left)
-    moved = math.hypot(landing[0] - foot[0], landing[1] - foot[1])
-    if moved < 1e-6:
-        top = foot[2]
-    knots: list[Point] = [
-        (foot[0], foot[1], top),
-        (landing[0], landing[1], top),
-        aim_of(landing, stance.body[2], leg, machine, gait),
-    ]
-    seconds = ((top - foot[2]) / vertical, moved / across, (top - knots[2][2]) / vertical)
-    return body_still_plan(
-        stance, leg, [foot, *knots], seconds, (Phase.UP, Phase.RETURN, Phase.DOWN), landing
-    )
+    return _placing(stance, {leg: way}, machine, gait)
 
 
-def settle_together(
+def place_feet(
     stance: Stance, legs: Sequence[int], terrain: TerrainMap, machine: Machine, gait: Gait
 ) -> StepPlan | Blocked:
     """Set several lifted feet down at once, each on its nearest ground; one without ground stays
     lifted. Blocked when all are.
     """
-    if stance.lifted:
-        stance = replace(stance, lifted=())
     if len(legs) == 1:
-        return settle_plan(stance, legs[0], terrain, machine, gait)
-    plans = {
-        leg: plan
+        return place_foot(replace(stance, lifted=()), legs[0], terrain, machine, gait)
+    ways = {
+        leg: way
         for leg in legs
-        if isinstance(plan := settle_plan(stance, leg, terrain, machine, gait), StepPlan)
+        if (way := _way_down(stance, leg, terrain, machine, gait)) is not None
     }
-    if not plans:
+    if not ways:
         return Blocked("no ground within reach to set any lifted foot down", legs[0])
-    stays = tuple(leg for leg in legs if leg not in plans)
-    phases = (Phase.UP, Phase.RETURN, Phase.DOWN)
-    rows, seconds = [list(stance.feet)], []
-    for phase in phases:
-        row, longest = rows[-1].copy(), 0.0
-        for leg, plan in plans.items():
-            if phase in plan.phases:
-                k = plan.phases.index(phase)
-                longest = max(longest, float(plan.times[k + 1] - plan.times[k]))
-                x, y, z = plan.feet[k + 1, leg].tolist()
-                row[leg] = x, y, z
-        rows.append(row)
-        seconds.append(longest)
-    kept = [0, *(k for k, duration in enumerate(seconds, 1) if duration > 0.0)]
-    feet = list(stance.feet)
-    for leg, plan in plans.items():
-        feet[leg] = plan.end.feet[leg]
-    return plan_from_knots(
-        tuple(plans),
-        np.cumsum([0.0, *(seconds[k - 1] for k in kept[1:])]),
-        [stance.body] * len(kept),
-        [tuple(rows[k]) for k in kept],
-        tuple(phases[k - 1] for k in kept[1:]),
-        replace(stance, feet=tuple(feet), lifted=stays),
-        landing=next(iter(plans.values())).landing,
+    stays = tuple(leg for leg in legs if leg not in ways)
+    return _placing(replace(stance, lifted=stays), ways, machine, gait)
+
+
+def _way_down(
+    stance: Stance, leg: int, terrain: TerrainMap, machine: Machine, gait: Gait
+) -> FootWay | None:
+    """Up over what is on the way, to the nearest ground and down; None when there is none."""
+    landing = nearest_ground(stance, leg, terrain, machine)
+    if landing is None:
+        return None
+    foot = stance.feet[leg]
+    crest = terrain.crest_between(foot[0], foot[1], landing[0], landing[1])
+    near = math.hypot(landing[0] - foot[0], landing[1] - foot[1]) < STAYS
+    top = foot[2] if near else max(foot[2], crest + CLEARANCE)
+    corners = SwingCorners(
+        foot,
+        (foot[0], foot[1], top),
+        (landing[0], landing[1], top),
+        aim_of(landing, stance.body[2], leg, machine, gait),
     )
+    return FootWay(corners, landing)
+
+
+def _placing(stance: Stance, ways: dict[int, FootWay], machine: Machine, gait: Gait) -> StepPlan:
+    """The feet along their ways, each stretch as long as the slowest of them takes."""
+    ahead, left, vertical = swing_speeds(machine, gait)
+    limits = vertical, min(ahead, left), vertical
+    seconds = [0.0, 0.0, 0.0]
+    for way in ways.values():
+        for k, limit in enumerate(limits):
+            apart = math.dist(way.corners[k], way.corners[k + 1])
+            seconds[k] = max(seconds[k], apart / limit if apart >= STAYS else 0.0)
+    return body_still_plan(stance, ways, seconds, STRETCHES, profile_of(gait))
 
 
 def nearest_ground(stance: Stance, leg: int, terrain: TerrainMap, machine: Machine) -> Point | None:

@@ -21,10 +21,10 @@ from ..robot.collision import leg_in_the_way
 from ..robot.model import Machine
 from ..stability import XY, Polygon, polygon_margin, support_polygon
 from ..terrain.map import TerrainMap
-from ..types import TICK, Blocked, Gait, Phase, Point, Stance, StepPlan
+from ..types import TICK, Blocked, Gait, Point, Stance, StepPlan
 from .body_height import torso_needs, torso_needs_exactly
-from .step_builder import body_still_plan, changed, holding_plan, plan_on_all_feet
-from .swing import CLEARANCE, lift, profile_of, swing_speeds
+from .step_builder import FootWay, body_still_plan, changed, holding_plan, plan_on_all_feet
+from .swing import CLEARANCE, STRETCHES, lift, profile_of, swing_speeds
 
 THERE = 0.01  # m; a foot this near its place stays; smaller: see feet lifted and put back
 LINE = 1e-9  # m²; an area of less is a line
@@ -549,9 +549,8 @@ class _Regrouping:
             abs(c * dx + s * dy) / vx, abs(c * dy - s * dx) / vy, abs(over[2] - top[2]) / vz, TICK
         )
         seconds = ((top[2] - foot[2]) / vz, back, (over[2] - aim[2]) / vz)
-        plan = body_still_plan(
-            now, leg, list(corners), seconds, (Phase.UP, Phase.RETURN, Phase.DOWN), landing
-        )
+        way = FootWay(corners, landing)
+        plan = body_still_plan(now, {leg: way}, seconds, STRETCHES, profile_of(gait))
         out.append(changed(plan, crab_angle=self.crab_angle, margin_min=margin))
         return plan.end
 

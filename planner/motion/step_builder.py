@@ -2,8 +2,7 @@
 
 A plan is a table of knots: at each a time, the body and every foot. Four ways to give that table
 cover all there is: every foot at every knot (``plan_from_knots``), one foot that swings while the
-others stand (``plan_of_one_foot``), one foot that swings while the body waits
-(``body_still_plan``), and a body that moves on all its feet (``plan_on_all_feet``).
+others stand (``plan_of_one_foot``), feet that swing while the body waits (``body_still_plan``), and a body that moves on all its feet (``plan_on_all_feet``).
 ``holding_plan`` stands still for a tick; ``changed`` copies a plan with other contents.
 
 What else is known of a step (its margin, speed, landing point ...) goes along by name: the words
@@ -12,18 +11,28 @@ of ``StepFacts``, explained at ``StepPlan``.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, TypedDict, Unpack
+from typing import Any, NamedTuple, TypedDict, Unpack
 
 import numpy as np
 
 from ..geometry.transforms import Body
 from ..types import TICK, Array, Phase, Point, Stance, StepPlan
+from .swing import Profile, between
 
 Feet = tuple[Point, ...]
 # s from the step-switching point, the body and the swing foot then, absolute frame
 FootKnot = tuple[float, Body, Point]
+
+
+class FootWay(NamedTuple):
+    """The way of one foot, absolute frame, m: straight lines between corners, of which the first is
+    where it is, and where it is expected to stand at the end.
+    """
+
+    corners: Sequence[Point]
+    landing: Point
 
 
 class StepFacts(TypedDict, total=False):
@@ -89,31 +98,43 @@ def plan_of_one_foot(
 
 def body_still_plan(
     stance: Stance,
-    leg: int,
-    corners: Sequence[Point],
+    ways: Mapping[int, FootWay],
     seconds: Sequence[float],
     phases: Sequence[Phase],
-    landing: Point,
+    profile: Profile,
 ) -> StepPlan:
-    """The plan of one foot along ``corners`` (the first is where it is) while the body stays where
-    it is; ``seconds`` and a phase per stretch.
+    """The plan of feet that go along their ``ways`` (per leg) at the speeds of a profile while the
+    body stays where it is; ``seconds`` and a phase per stretch between corners.
 
     A stretch of no time is left out; where none is left, the plan is one tick of staying.
-    ``landing`` is where the foot is expected to stand at the end.
     """
-    time = 0.0
-    knots: list[FootKnot] = [(time, stance.body, corners[0])]
+    rows: list[tuple[float, Feet]] = [(0.0, stance.feet)]
     kept: list[Phase] = []
-    for corner, duration, phase in zip(corners[1:], seconds, phases, strict=True):
-        if duration > 0.0:
-            time += duration
-            knots.append((time, stance.body, corner))
-            kept.append(phase)
+    done = {leg: way.corners[0] for leg, way in ways.items()}
+    for k, (duration, phase) in enumerate(zip(seconds, phases, strict=True), 1):
+        if duration <= 0.0:
+            continue
+        begin = rows[-1][0]
+        corner = {leg: way.corners[k] for leg, way in ways.items()}
+        for tau, share in profile[:-1]:
+            moved = {leg: between(done[leg], corner[leg], share) for leg in ways}
+            rows.append((begin + tau * duration, with_feet(stance.feet, moved)))
+        rows.append((begin + duration, with_feet(stance.feet, corner)))
+        kept += [phase] * len(profile)
+        done = corner
     if not kept:
-        knots.append((TICK, stance.body, corners[0]))
+        rows.append((TICK, stance.feet))
         kept.append(phases[0])
-    end = replace(stance, feet=with_foot(stance.feet, leg, landing))
-    return plan_of_one_foot(stance, leg, knots, kept, end, landing=landing)
+    landings = {leg: way.landing for leg, way in ways.items()}
+    return plan_from_knots(
+        tuple(ways),
+        [time for time, _ in rows],
+        [stance.body] * len(rows),
+        [feet for _, feet in rows],
+        tuple(kept),
+        replace(stance, feet=with_feet(stance.feet, landings)),
+        landing=next(iter(landings.values())),
+    )
 
 
 def plan_on_all_feet(
@@ -154,6 +175,6 @@ def changed(
     )
 
 
-def with_foot(feet: Feet, leg: int, foot: Point) -> Feet:
-    """The feet with that of ``leg`` somewhere else."""
-    return (*feet[:leg], foot, *feet[leg + 1 :])
+def with_feet(feet: Feet, places: Mapping[int, Point]) -> Feet:
+    """The feet with those of some legs somewhere else."""
+    return tuple(places.get(leg, foot) for leg, foot in enumerate(feet))

@@ -22,12 +22,13 @@ from ..protocols import run_to_completion
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
 from ..types import Array, Blocked, Command, Gait, Point, Stance, StepPlan
-from .moves import Move, moves_along, step_plan
+from .moves import Move, moves_along
 from .paths import joystick_trace, step_for
 from .periodic_gaits import RigidGait
 from .reachability import AIR, Field, Lane, thinning
 from .state_search import Path, search, search_rigid
 from .state_sequence import State
+from .timing import step_plan
 
 BODY_LENGTHS = 2.0  # how far ahead the global prediction looks, K
 RENEW = 1.0  # body lengths left ahead when it is made anew

@@ -26,7 +26,7 @@ from walking_console.planner.motion.body_tilt import (
     sheared,
     unleaned,
 )
-from walking_console.planner.motion.foot_placement import settle_plan
+from walking_console.planner.motion.foot_placement import place_foot
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.types import TICK, Gait, Phase, Sensing, Stance, StepPlan
@@ -113,7 +113,7 @@ def test_a_plan_comes_back_from_the_frame_with_standing_feet_untouched() -> None
     before = replace(
         STANCE, feet=(*STANCE.feet[:3], (0.4, -0.45, 0.2 + LEAN[0] * 0.4 + LEAN[1] * -0.45))
     )
-    plan = settle_plan(lifted, 3, frame.terrain, frame.machine, GAIT)
+    plan = place_foot(lifted, 3, frame.terrain, frame.machine, GAIT)
     assert isinstance(plan, StepPlan)
     back = frame.restored(plan, before)
     assert back.end.lean == back.lean == LEAN and back.end.feet[:3] == STANCE.feet[:3]

@@ -7,14 +7,16 @@ import numpy as np
 import pytest
 
 from walking_console.planner.motion.step_builder import (
+    FootWay,
     body_still_plan,
     changed,
     holding_plan,
     plan_from_knots,
     plan_of_one_foot,
     plan_on_all_feet,
-    with_foot,
+    with_feet,
 )
+from walking_console.planner.motion.swing import EASED, EVEN
 from walking_console.planner.types import TICK, Phase, Stance
 
 FEET = ((0.5, 0.4, 0.0), (-0.5, 0.4, 0.1), (-0.5, -0.4, 0.0), (0.5, -0.4, 0.0))
@@ -65,7 +67,7 @@ def test_in_a_plan_of_one_foot_all_others_stay() -> None:
 
 def test_in_a_body_still_plan_the_body_stays_and_the_foot_ends_at_its_landing_point() -> None:
     corners = [FEET[1], TOP, OVER, LANDING]
-    plan = body_still_plan(STANCE, 1, corners, (0.4, 0.5, 0.6), PHASES, LANDING)
+    plan = body_still_plan(STANCE, {1: FootWay(corners, LANDING)}, (0.4, 0.5, 0.6), PHASES, EVEN)
     assert plan.times.tolist() == pytest.approx([0.0, 0.4, 0.9, 1.5])
     assert plan.phases == PHASES
     assert (plan.body == BODY).all()
@@ -73,15 +75,37 @@ def test_in_a_body_still_plan_the_body_stays_and_the_foot_ends_at_its_landing_po
     assert plan.landing == plan.end.feet[1] == LANDING
 
 
+def test_in_a_body_still_plan_every_stretch_has_the_speeds_of_the_profile() -> None:
+    ways = {1: FootWay([FEET[1], TOP, OVER, LANDING], LANDING)}
+    plan = body_still_plan(STANCE, ways, (0.4, 0.5, 0.6), PHASES, EASED)
+    assert plan.phases == tuple(phase for phase in PHASES for _ in EASED)
+    shares = (plan.feet[1:6, 1, 2] - FEET[1][2]) / (TOP[2] - FEET[1][2])
+    assert shares.tolist() == pytest.approx([share for _, share in EASED])
+    assert plan.times[1:6].tolist() == pytest.approx([0.4 * tau for tau, _ in EASED])
+
+
+def test_feet_that_swing_together_reach_their_corners_at_the_same_time() -> None:
+    here = FEET[2]
+    other = [here, (*here[:2], 0.2), (-0.4, -0.4, 0.2), (-0.4, -0.4, 0.0)]
+    ways = {
+        1: FootWay([FEET[1], TOP, OVER, LANDING], LANDING),
+        2: FootWay(other, other[3]),
+    }
+    plan = body_still_plan(STANCE, ways, (0.4, 0.5, 0.6), PHASES, EVEN)
+    assert plan.swing == (1, 2)
+    assert plan.feet[2, [1, 2]].tolist() == [list(OVER), list(other[2])]
+    assert plan.end.feet == (FEET[0], LANDING, other[3], FEET[3])
+
+
 def test_a_stretch_of_no_time_is_left_out() -> None:
     corners = [FEET[1], FEET[1], OVER, LANDING]
-    plan = body_still_plan(STANCE, 1, corners, (0.0, 0.5, 0.6), PHASES, LANDING)
+    plan = body_still_plan(STANCE, {1: FootWay(corners, LANDING)}, (0.0, 0.5, 0.6), PHASES, EVEN)
     assert plan.phases == (Phase.RETURN, Phase.DOWN)
     assert plan.times.tolist() == pytest.approx([0.0, 0.5, 1.1])
 
 
 def test_where_no_stretch_is_left_the_plan_is_one_tick_of_staying() -> None:
-    plan = body_still_plan(STANCE, 1, [FEET[1]] * 4, (0.0,) * 3, PHASES, FEET[1])
+    plan = body_still_plan(STANCE, {1: FootWay([FEET[1]] * 4, FEET[1])}, (0.0,) * 3, PHASES, EASED)
     assert plan.times.tolist() == [0.0, TICK]
     assert (plan.feet == np.array(FEET)).all()
 
@@ -112,5 +136,5 @@ def test_a_changed_copy_keeps_what_is_not_named() -> None:
     assert plan.end == STANCE
 
 
-def test_with_foot_moves_one_foot() -> None:
-    assert with_foot(FEET, 1, LANDING) == (FEET[0], LANDING, FEET[2], FEET[3])
+def test_with_feet_moves_the_feet_that_are_named() -> None:
+    assert with_feet(FEET, {1: LANDING}) == (FEET[0], LANDING, FEET[2], FEET[3])

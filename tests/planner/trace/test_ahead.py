@@ -83,7 +83,7 @@ def test_successive_states_overlap_as_far_as_the_walk_is_sure(on_its_way: Simula
 
 def test_footholds_are_allowed_ground(on_its_way: Simulation) -> None:
     for footholds in foreseen(on_its_way).footholds:
-        assert all(on_its_way.belief.allows(x, y) for x, y, _ in footholds)
+        assert all(on_its_way.perception.belief.allows(x, y) for x, y, _ in footholds)
 
 
 def test_it_is_the_same_object_until_something_else_is_foreseen(on_its_way: Simulation) -> None:
