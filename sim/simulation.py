@@ -28,7 +28,7 @@ from walking_console.planner.types import (
     StepPlan,
 )
 
-from .kinematic.plant import KinematicPlant, Noise
+from .kinematic.plant import KinematicPlant, SensorNoise
 from .observation import take_snapshot
 from .perception import Perception
 from .requests import Edit, Follow, Halt, Load, Push, Request, Reset, TakePosture
@@ -273,6 +273,6 @@ class Simulation:
 def _plant_in(world: World) -> KinematicPlant:
     """The machine on its ground, in the posture it begins in."""
     wanted = world.scenario.noise
-    noise = None if wanted is None else Noise(wanted.position, wanted.posture)
+    noise = None if wanted is None else SensorNoise(wanted.position, wanted.posture)
     rng = np.random.default_rng(world.scenario.seed)
     return KinematicPlant(world.machine, world.ground, world.stance, noise=noise, rng=rng)

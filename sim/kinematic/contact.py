@@ -14,11 +14,12 @@ from typing import NamedTuple
 
 import pymunk
 
-from walking_console.planner.geometry.transforms import left_fold_sum
+from walking_console.planner.geometry.transforms import direction, left_fold_sum, placed
 from walking_console.planner.robot.model import Machine
 from walking_console.planner.stability import GRAVITY
 
 from ..terrain.generators import Obstacle
+from .rest_pose import centroid
 
 # m beyond the rim of the foot: an estimate; longer, see feet shy away from what they could pass
 WHISKER = 0.05
@@ -49,7 +50,7 @@ class Slip(NamedTuple):
     turn: float
 
 
-class World:
+class ContactWorld:
     """All obstacles of one ground, and the machine's shape among them."""
 
     def __init__(self, obstacles: Sequence[Obstacle], machine: Machine) -> None:
@@ -101,25 +102,16 @@ class World:
         """
         bits = 0
         for k in range(WHISKERS):
-            angle = yaw + k * (2.0 * math.pi / WHISKERS)
-            if (
-                self.sweep(
-                    x,
-                    y,
-                    x + self.whisker * math.cos(angle),
-                    y + self.whisker * math.sin(angle),
-                    z + OVER,
-                )
-                is not None
-            ):
+            c, s = direction(yaw + k * (2.0 * math.pi / WHISKERS))
+            tip = x + self.whisker * c, y + self.whisker * s
+            if self.sweep(x, y, *tip, z + OVER) is not None:
                 bits |= 1 << k
         return bits
 
     def bump(self, body: Sequence[float], feet: Sequence[Sequence[float]]) -> int | None:
         """What of the machine is in an obstacle: a leg, −1 for the torso, None for nothing."""
         x, y, z, _, _, yaw = body
-        c, d = math.cos(yaw), math.sin(yaw)
-        if self._torso_hits(x, y, z - self.machine.torso[2] / 2, c, d):
+        if self._torso_hits(x, y, z - self.machine.torso[2] / 2, yaw):
             return -1
         return next((leg for leg, foot in enumerate(feet) if self.leg_hits(leg, body, foot)), None)
 
@@ -127,18 +119,18 @@ class World:
         """True when something stands in the straight way from a leg's hip, at the height of the
         body, to its foot.
         """
-        (hx, hy), c, d = self._hips[leg], math.cos(body[5]), math.sin(body[5])
-        hip = body[0] + c * hx - d * hy, body[1] + d * hx + c * hy
+        hip = placed((body[0], body[1], body[5]), *self._hips[leg])
         hits = self._space.segment_query(hip, (foot[0], foot[1]), 0.0, ANY)
         return any(
             self._tops_of(hit.shape) > body[2] + hit.alpha * (foot[2] - body[2]) + OVER
             for hit in hits
         )
 
-    def _torso_hits(self, x: float, y: float, bottom: float, c: float, d: float) -> bool:
+    def _torso_hits(self, x: float, y: float, bottom: float, yaw: float) -> bool:
         length, width, _ = self.machine.torso
+        c, s = direction(yaw)
         body = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-        turn = pymunk.Transform(a=c, b=d, c=-d, d=c, tx=x, ty=y)
+        turn = pymunk.Transform(a=c, b=s, c=-s, d=c, tx=x, ty=y)
         shape = pymunk.Poly(body, _rectangle(length, width), turn)
         shape.cache_bb()
         return any(self._tops_of(hit.shape) > bottom for hit in self._space.shape_query(shape))
@@ -188,7 +180,7 @@ class _Slide:
     """
 
     def __init__(
-        self, world: World, body: Sequence[float], feet: Sequence[Sequence[float]]
+        self, world: ContactWorld, body: Sequence[float], feet: Sequence[Sequence[float]]
     ) -> None:
         machine = world.machine
         length, width, height = machine.torso
@@ -227,30 +219,33 @@ class _Slide:
         """Advance one tick under a force at the centre of gravity; None once it has come to rest
         and friction holds.
         """
-        hull, space, n = self.hull, self.space, len(feet)
-        hull.position, hull.angle = (body[0], body[1]), body[5]
-        cx, cy = (
-            left_fold_sum(foot[0] for foot in feet) / n,
-            left_fold_sum(foot[1] for foot in feet) / n,
-        )
-        grip = self.machine.friction * self.machine.mass * GRAVITY
-        pivot = pymunk.PivotJoint(space.static_body, hull, (cx, cy))
-        gear = pymunk.GearJoint(space.static_body, hull, hull.angle, 1.0)
-        pivot.max_force = grip
-        gear.max_force = (
-            grip * left_fold_sum(math.hypot(foot[0] - cx, foot[1] - cy) for foot in feet) / n
-        )
-        pivot.max_bias = gear.max_bias = 0.0
-        pivot.collide_bodies = gear.collide_bodies = True
-        space.add(pivot, gear)
+        hull, space = self.hull, self.space
+        hull.position = body[0], body[1]
+        hull.angle = body[5]
+        grips = self._friction(feet)
+        space.add(*grips)
         for _ in range(SUBSTEPS):
             hull.apply_force_at_world_point((fx, fy), hull.position)
             space.step(dt / SUBSTEPS)
-        space.remove(pivot, gear)
+        space.remove(*grips)
         slip = Slip(hull.position.x - body[0], hull.position.y - body[1], hull.angle - body[5])
         speed = hull.velocity.length + abs(hull.angular_velocity) * self.machine.yaw_length
         moved = abs(slip.dx) + abs(slip.dy) + abs(slip.turn)
         return None if speed < STILL and moved < STILL * dt else slip
+
+    def _friction(self, feet: Sequence[Sequence[float]]) -> tuple[pymunk.Constraint, ...]:
+        """The joints that hold the machine by its feet on the ground."""
+        cx, cy = centroid(feet)
+        away = left_fold_sum(math.hypot(foot[0] - cx, foot[1] - cy) for foot in feet)
+        grip = self.machine.friction * self.machine.mass * GRAVITY
+        pivot = pymunk.PivotJoint(self.space.static_body, self.hull, (cx, cy))
+        gear = pymunk.GearJoint(self.space.static_body, self.hull, self.hull.angle, 1.0)
+        pivot.max_force = grip
+        gear.max_force = grip * away / len(feet)
+        for joint in (pivot, gear):
+            joint.max_bias = 0.0
+            joint.collide_bodies = True
+        return pivot, gear
 
 
 def _shape(body: pymunk.Body, obstacle: Obstacle) -> pymunk.Shape:
@@ -278,19 +273,13 @@ def _patches(obstacles: Sequence[Obstacle], margin: float) -> frozenset[tuple[in
     """The squares of side ``PATCH`` within ``margin`` of an obstacle's bounding box."""
     patches = set()
     for obstacle in obstacles:
-        xs = [x for x, _ in obstacle.corners] or [
-            obstacle.x - obstacle.radius,
-            obstacle.x + obstacle.radius,
-        ]
-        ys = [y for _, y in obstacle.corners] or [
-            obstacle.y - obstacle.radius,
-            obstacle.y + obstacle.radius,
-        ]
-        for i in range(
-            math.floor((min(xs) - margin) / PATCH), math.floor((max(xs) + margin) / PATCH) + 1
-        ):
-            for j in range(
-                math.floor((min(ys) - margin) / PATCH), math.floor((max(ys) + margin) / PATCH) + 1
-            ):
-                patches.add((i, j))
+        r = obstacle.radius
+        xs = [x for x, _ in obstacle.corners] or [obstacle.x - r, obstacle.x + r]
+        ys = [y for _, y in obstacle.corners] or [obstacle.y - r, obstacle.y + r]
+        patches |= {(i, j) for i in _squares(xs, margin) for j in _squares(ys, margin)}
     return frozenset(patches)
+
+
+def _squares(values: Sequence[float], margin: float) -> range:
+    first = math.floor((min(values) - margin) / PATCH)
+    return range(first, math.floor((max(values) + margin) / PATCH) + 1)

@@ -13,7 +13,8 @@ from collections.abc import Sequence
 from itertools import combinations
 from typing import NamedTuple
 
-from walking_console.planner.geometry.transforms import left_fold_sum
+from walking_console.planner.geometry import transforms
+from walking_console.planner.geometry.transforms import direction, turned_back
 
 Rotation = tuple[float, float, float, float, float, float, float, float, float]
 
@@ -26,19 +27,8 @@ TIE = 1e-12  # m; two ways to rest that differ by less are the same height
 
 def rotation(roll: float, pitch: float, yaw: float) -> Rotation:
     """Body axes to absolute axes."""
-    cr, sr, cp, sp, cy, sy = (
-        math.cos(roll),
-        math.sin(roll),
-        math.cos(pitch),
-        math.sin(pitch),
-        math.cos(yaw),
-        math.sin(yaw),
-    )
-    return (
-        cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr,
-        sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr,
-        -sp, cp * sr, cp * cr,
-    )  # fmt: skip
+    along_x, along_y, along_z = transforms.rotation(roll, pitch, yaw)
+    return (*along_x, *along_y, *along_z)
 
 
 def angles(r: Rotation) -> tuple[float, float, float]:
@@ -67,7 +57,7 @@ def unturned(r: Rotation, x: float, y: float, z: float) -> tuple[float, float, f
 def about(axis: Sequence[float], angle: float) -> Rotation:
     """Rotation by ``angle`` about a unit vector (Rodrigues)."""
     x, y, z = axis
-    c, s = math.cos(angle), math.sin(angle)
+    c, s = direction(angle)
     v = 1.0 - c
     return (
         c + x * x * v, x * y * v - z * s, x * z * v + y * s,
@@ -78,10 +68,11 @@ def about(axis: Sequence[float], angle: float) -> Rotation:
 
 def after(a: Rotation, b: Rotation) -> Rotation:
     """First b, then a."""
+    p0, p1, p2, q0, q1, q2, r0, r1, r2 = b
     return (
-        a[0] * b[0] + a[1] * b[3] + a[2] * b[6], a[0] * b[1] + a[1] * b[4] + a[2] * b[7], a[0] * b[2] + a[1] * b[5] + a[2] * b[8],
-        a[3] * b[0] + a[4] * b[3] + a[5] * b[6], a[3] * b[1] + a[4] * b[4] + a[5] * b[7], a[3] * b[2] + a[4] * b[5] + a[5] * b[8],
-        a[6] * b[0] + a[7] * b[3] + a[8] * b[6], a[6] * b[1] + a[7] * b[4] + a[8] * b[7], a[6] * b[2] + a[7] * b[5] + a[8] * b[8],
+        a[0] * p0 + a[1] * q0 + a[2] * r0, a[0] * p1 + a[1] * q1 + a[2] * r1, a[0] * p2 + a[1] * q2 + a[2] * r2,
+        a[3] * p0 + a[4] * q0 + a[5] * r0, a[3] * p1 + a[4] * q1 + a[5] * r1, a[3] * p2 + a[4] * q2 + a[5] * r2,
+        a[6] * p0 + a[7] * q0 + a[8] * r0, a[6] * p1 + a[7] * q1 + a[8] * r1, a[6] * p2 + a[7] * q2 + a[8] * r2,
     )  # fmt: skip
 
 
@@ -93,19 +84,28 @@ def plane_fit(
 
     The yaw is the one nearest to ``heading``: it does not jump at ±π.
     """
-    n = len(feet)
-    fx, fy = left_fold_sum(f[0] for f in feet) / n, left_fold_sum(f[1] for f in feet) / n
-    qx, qy = left_fold_sum(q[0] for q in reached) / n, left_fold_sum(q[1] for q in reached) / n
+    fx, fy = centroid(feet)
+    qx, qy = centroid(reached)
     across = along = 0.0
     for f, q in zip(feet, reached, strict=True):
-        ax, ay, bx, by = q[0] - qx, q[1] - qy, f[0] - fx, f[1] - fy
+        ax, ay = q[0] - qx, q[1] - qy
+        bx, by = f[0] - fx, f[1] - fy
         across += ax * by - ay * bx
         along += ax * bx + ay * by
-    c, s = math.cos(heading), math.sin(heading)
+    c, s = direction(heading)
     change = math.atan2(c * across - s * along, c * along + s * across)
     yaw = heading + change if abs(change) > SAME_YAW else heading
-    c, s = math.cos(yaw), math.sin(yaw)
+    c, s = direction(yaw)
     return fx - (c * qx - s * qy), fy - (s * qx + c * qy), yaw
+
+
+def centroid(points: Sequence[Sequence[float]]) -> tuple[float, float]:
+    """x, y of the middle of points, added up in their order."""
+    x = y = 0.0
+    for point in points:
+        x += point[0]
+        y += point[1]
+    return x / len(points), y / len(points)
 
 
 class Rest(NamedTuple):
@@ -138,7 +138,8 @@ def rest(
         found = _upper_facet(points, x, y, now)
         if found is None:
             return None
-        before, stretch = stretch, math.sqrt(1.0 + found.lean_x**2 + found.lean_y**2)
+        before = stretch
+        stretch = math.sqrt(1.0 + found.lean_x**2 + found.lean_y**2)
         if abs(stretch - before) < 1e-14 or stretch > LYING:
             break
     return found
@@ -165,20 +166,17 @@ def _upper_facet(
         height = az + v * (bz - az) + w * (cz - az)
         turn = abs(slope_x + now.lean_x) + abs(slope_y + now.lean_y)
         if best is None or height > top + TIE or (height > top - TIE and turn < change):
-            best, top, change = (
-                Rest(az - slope_x * ax - slope_y * ay, -slope_x, -slope_y),
-                height,
-                turn,
-            )
+            best = Rest(az - slope_x * ax - slope_y * ay, -slope_x, -slope_y)
+            top = height
+            change = turn
     return best
 
 
 def attitude(lean_x: float, lean_y: float, yaw: float) -> tuple[float, float]:
     """Roll and pitch of a body of this yaw whose upward axis leans like this."""
-    s = math.sqrt(1.0 + lean_x * lean_x + lean_y * lean_y)
-    c, d = math.cos(yaw), math.sin(yaw)
-    ahead, left, up = (c * lean_x + d * lean_y) / s, (c * lean_y - d * lean_x) / s, 1.0 / s
-    return -math.asin(left), math.atan2(ahead, up)
+    length = math.sqrt(1.0 + lean_x * lean_x + lean_y * lean_y)
+    ahead, left = turned_back(lean_x, lean_y, yaw)
+    return -math.asin(left / length), math.atan2(ahead / length, 1.0 / length)
 
 
 def lean(r: Rotation) -> tuple[float, float]:
@@ -192,12 +190,14 @@ def nearest_inside(
     """(x, y) itself when it is inside a counter-clockwise polygon, else the nearest point of the
     edge it is furthest beyond.
     """
-    worst, found = 0.0, (x, y)
+    worst = 0.0
+    found = x, y
     for (ax, ay), (bx, by) in zip(polygon, (*polygon[1:], *polygon[:1]), strict=True):
         ex, ey = bx - ax, by - ay
         length = math.hypot(ex, ey)
         beyond = (ey * (x - ax) - ex * (y - ay)) / length
         if beyond > worst:
             share = max(0.0, min(1.0, ((x - ax) * ex + (y - ay) * ey) / (length * length)))
-            worst, found = beyond, (ax + share * ex, ay + share * ey)
+            worst = beyond
+            found = ax + share * ex, ay + share * ey
     return found

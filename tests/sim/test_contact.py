@@ -8,9 +8,9 @@ import pytest
 
 from walking_console.planner.robot.model import Machine, load_machine
 from walking_console.planner.stability import GRAVITY
-from walking_console.planner.types import Point, Stance
-from walking_console.sim.kinematic.contact import WHISKER, World
-from walking_console.sim.kinematic.plant import TICK, KinematicPlant
+from walking_console.planner.types import TICK, Point, Stance
+from walking_console.sim.kinematic.contact import WHISKER, ContactWorld
+from walking_console.sim.kinematic.plant import KinematicPlant
 from walking_console.sim.terrain.generators import Obstacle
 from walking_console.sim.terrain.ground import Ground
 
@@ -23,7 +23,7 @@ BLOCK = Obstacle(0.0, 2.0, 0.0, 0.3, corners=((-0.5, 1.5), (0.5, 1.5), (0.5, 2.5
 
 
 class TestSweeps:
-    WORLD = World((POLE, BLOCK), TITAN)
+    WORLD = ContactWorld((POLE, BLOCK), TITAN)
 
     def test_a_sweep_finds_where_it_meets_a_pole_and_which_way_its_surface_faces(self):
         touch = self.WORLD.sweep(0.0, 0.0, 2.0, 0.0, 0.5)
@@ -43,7 +43,7 @@ class TestSweeps:
 
     def test_of_two_things_in_a_row_it_meets_the_first_that_is_tall_enough(self):
         low, tall = replace(POLE, x=1.0, top=0.2), replace(POLE, x=2.0)
-        touch = World((tall, low), TITAN).sweep(0.0, 0.0, 4.0, 0.0, 0.5)
+        touch = ContactWorld((tall, low), TITAN).sweep(0.0, 0.0, 4.0, 0.0, 0.5)
         assert touch is not None
         assert touch.share == pytest.approx(1.9 / 4.0)
 
@@ -52,11 +52,11 @@ class TestSweeps:
         assert not self.WORLD.near(0.3, 0.3)
         assert self.WORLD.crowds(0.0, 0.0)
         assert not self.WORLD.crowds(-3.0, 0.0)
-        assert not World((), TITAN).near(0.0, 0.0)
+        assert not ContactWorld((), TITAN).near(0.0, 0.0)
 
 
 class TestWhiskers:
-    WORLD = World((POLE,), TITAN)
+    WORLD = ContactWorld((POLE,), TITAN)
     REACH = TITAN.foot_radius + WHISKER
 
     @pytest.mark.parametrize("direction", range(8))
@@ -72,7 +72,7 @@ class TestWhiskers:
         assert self.WORLD.feel(x, 0.0, 0.0, math.pi / 2) == 1 << 6
 
     def test_they_do_not_feel_what_the_foot_stands_above(self):
-        assert World((replace(POLE, top=0.2),), TITAN).feel(0.85, 0.0, 0.2, 0.0) == 0
+        assert ContactWorld((replace(POLE, top=0.2),), TITAN).feel(0.85, 0.0, 0.2, 0.0) == 0
 
     def test_out_of_reach_they_feel_nothing(self):
         assert self.WORLD.feel(POLE.x - POLE.radius - self.REACH - 0.002, 0.0, 0.0, 0.0) == 0
@@ -87,7 +87,7 @@ class TestFriction:
         low, high = 0.0, 2.0
         for _ in range(20):
             share = (low + high) / 2
-            world, held = World((), SLIPPERY), True
+            world, held = ContactWorld((), SLIPPERY), True
             for _ in range(3):
                 pushed = world.slide(
                     (*body, 0.85, 0.0, 0.0, 0.0), FEET, share * GRIP * ux, share * GRIP * uy, TICK
@@ -110,7 +110,7 @@ class TestFriction:
         assert self.least_force(1.0, 0.0, (0.0, 0.9)) == pytest.approx(arm / 0.9, abs=0.002)
 
     def test_a_slide_gathers_speed_as_newton_says_and_friction_ends_it(self):
-        world, x, excess = World((), SLIPPERY), 0.0, 0.5
+        world, x, excess = ContactWorld((), SLIPPERY), 0.0, 0.5
         for tick in range(40):
             feet = [(fx + x, fy, fz) for fx, fy, fz in FEET]
             slip = world.slide(
@@ -132,7 +132,7 @@ class TestFriction:
         wall = Obstacle(
             1.5, 0.0, 0.0, 2.0, corners=((1.0, -2.0), (2.0, -2.0), (2.0, 2.0), (1.0, 2.0))
         )
-        world, x = World((wall,), SLIPPERY), 0.0
+        world, x = ContactWorld((wall,), SLIPPERY), 0.0
         for _ in range(150):
             feet = [(fx + x, fy, fz) for fx, fy, fz in FEET]
             slip = world.slide((x, 0.0, 0.85, 0.0, 0.0, 0.0), feet, 1.5 * GRIP, 0.0, TICK)
@@ -148,7 +148,7 @@ class TestFriction:
         poles = [pole for pole in poles if math.hypot(pole.x, pole.y) > 0.8]
 
         def slide() -> list[tuple[float, ...]]:
-            world, pose, path = World(poles, SLIPPERY), [0.0, 0.0, 0.0], []
+            world, pose, path = ContactWorld(poles, SLIPPERY), [0.0, 0.0, 0.0], []
             for tick in range(100):
                 c, s = math.cos(pose[2]), math.sin(pose[2])
                 feet = [(pose[0] + c * x - s * y, pose[1] + s * x + c * y, z) for x, y, z in FEET]

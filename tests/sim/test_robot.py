@@ -10,15 +10,9 @@ import pytest
 from pydantic import TypeAdapter
 
 from walking_console.planner.robot.model import Machine, load_machine
-from walking_console.planner.types import Point, Stance
-from walking_console.sim.kinematic.plant import (
-    SOLE_GAP,
-    STEP_UP,
-    TICK,
-    KinematicPlant,
-    Noise,
-    slope_at,
-)
+from walking_console.planner.types import TICK, Point, Stance
+from walking_console.sim.kinematic.configuration import SOLE_GAP
+from walking_console.sim.kinematic.plant import KinematicPlant, SensorNoise
 from walking_console.sim.kinematic.rest_pose import (
     Rest,
     angles,
@@ -30,6 +24,8 @@ from walking_console.sim.kinematic.rest_pose import (
     turned,
     unturned,
 )
+from walking_console.sim.kinematic.support import slope_at
+from walking_console.sim.kinematic.swing_feet import STEP_UP
 from walking_console.sim.terrain.generators import AnyTerrain
 from walking_console.sim.terrain.ground import Ground, make_ground
 
@@ -107,7 +103,7 @@ class TestWalking:
             plant.move(all_legs(vx, vy, vz))
         assert feet_of(plant) == stood
         assert plant.soles == [True] * 4
-        assert not any(plant.slipping)
+        assert not any(plant.q.slipping)
 
     def test_a_turn_leaves_them_there_too(self):
         plant = standing()
@@ -195,7 +191,7 @@ class TestGround:
     def test_a_foot_stops_on_the_ground_of_its_cell(self):
         plant = standing(ground=made("rough"), up={0: 0.05}, x=-0.1, y=-0.1)
         run(plant, one_leg(0, (0.0, 0.0, -0.7)), 10)
-        assert plant.feet[0][2] == plant.ground.height_at(*plant.feet[0][:2])
+        assert plant.feet[0][2] == plant.q.ground.height_at(*plant.feet[0][:2])
         assert plant.soles[0]
 
     def test_coming_down_moves_nothing_but_pressing_on_lifts_the_body(self):
@@ -215,7 +211,7 @@ class TestGround:
         plant = standing(up={0: 0.005}, x=-0.1, y=-0.1)
         run(plant, one_leg(0, (0.5, 0.0, -0.3)), 10)
         assert plant.soles[0]
-        assert plant.slipping[0]
+        assert plant.q.slipping[0]
         assert plant.carrying == (1, 2, 3)
         assert plant.body == pytest.approx([-0.1, -0.1, TITAN.height, 0, 0, 0])
 
@@ -363,7 +359,7 @@ class TestFeetThatFight:
         stood = feet_of(plant)
         run(plant, one_leg(0, (0.1, 0.0, 0.0)), 1)
         assert feet_of(plant) == stood
-        assert not any(plant.slipping)
+        assert not any(plant.q.slipping)
 
     def test_pulled_further_a_foot_slips_and_says_so(self):
         plant = run(standing(), one_leg(0, (0.5, 0.0, 0.0)), 3)
@@ -489,7 +485,7 @@ class TestSensors:
                 TITAN,
                 flat(),
                 standing_stance(),
-                noise=Noise(0.002, 0.01),
+                noise=SensorNoise(0.002, 0.01),
                 rng=np.random.default_rng(7),
             )
             for _ in range(2)
@@ -504,7 +500,7 @@ class TestSensors:
 
     def test_noise_without_a_generator_is_refused(self):
         with pytest.raises(ValueError, match="seeded generator"):
-            KinematicPlant(TITAN, flat(), standing_stance(), noise=Noise(0.001))
+            KinematicPlant(TITAN, flat(), standing_stance(), noise=SensorNoise(0.001))
 
 
 def standing_stance() -> Stance:
