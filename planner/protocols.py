@@ -49,7 +49,9 @@ class Capabilities:
     follows_trace: bool = False  # walks along a trace given beforehand
     gives_preview: bool = False  # says what it foresees beyond the next step
     gives_decision: bool = False  # fills the decision log of its steps when asked
-    has_standard_layout: bool = False  # comes back to H's standard walk on open ground (H §4.3)
+    # of the stride; a step that comes out no farther off counts as the standard one of this planner,
+    # and on open ground it comes back to it (H fig. 9); None: it has no standard layout
+    standard_within: float | None = None
     duty_factor_min: float = 0.5  # below it no gait of this planner stands
     # legs that stand at any time; None: as many as the gait's duty factor says
     standing_min: int | None = None
@@ -113,6 +115,12 @@ class Planner(Protocol):
     def progress(self, stance: Stance, running: StepPlan | None, body: Body) -> float:
         """How far along its trace a body at x, y, z, yaw is, m; 0 for a planner without one."""
         return 0.0
+
+    def off_standard(self, plan: StepPlan) -> float | None:
+        """How far the foot farthest off stands from the standard layout after a step, as a share of
+        the stride; None where there is none to compare with.
+        """
+        return None
 
     @property
     def attitude(self) -> BodyAttitude:

@@ -12,7 +12,7 @@ for. Mode ``""`` is that of a planner without modes; it then answers to every mo
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib.metadata import entry_points
@@ -34,6 +34,7 @@ from .types import Gait, Stance
 
 ENTRY_POINTS = "walking_console.planners"
 DEFAULT_PLANNER = "crab"
+DEFAULT_MODE = next(iter(CRAB_MODES))
 
 Maker = Callable[[PlannerSetup], Planner]
 
@@ -107,6 +108,12 @@ def planner_names() -> tuple[str, ...]:
     return tuple(_ENTRIES)
 
 
+def mode_names() -> tuple[str, ...]:
+    """Every mode of any planner."""
+    names = (mode for name in planner_names() for mode in _ENTRIES[name].modes if mode)
+    return tuple(dict.fromkeys(names))
+
+
 def planner_entry(name: str) -> PlannerEntry:
     """The planner of this name; raises ``PlannerError`` that lists those there are."""
     if name not in planner_names():
@@ -131,6 +138,14 @@ def choices_that(offer: Callable[[Capabilities], bool]) -> tuple[tuple[str, str]
         for name in planner_names()
         for mode, declared in _ENTRIES[name].modes.items()
         if offer(declared)
+    )
+
+
+def spoken(choices: Iterable[tuple[str, str]]) -> str:
+    """Planners in their modes as a sentence names them."""
+    return " or ".join(
+        f"the {planner} planner" + (f' in mode "{mode}"' if mode else "")
+        for planner, mode in choices
     )
 
 

@@ -12,8 +12,9 @@ from collections.abc import Callable, Generator, Iterable
 from dataclasses import dataclass
 from typing import Any, Generic, NamedTuple, TypeVar
 
+from .protocols import Answer
+
 S = TypeVar("S")
-Answer = TypeVar("Answer")  # what a thought comes to
 C = TypeVar("C")
 
 

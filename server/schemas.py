@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from walking_console.planner.types import Command
+from walking_console.sim.scenario import ModeName
 
 from .realtime_loop import ADVANCE_MAX, RATE_MAX
 
@@ -116,7 +117,7 @@ class ScenarioBody(Shape):
     name: Name | None = None
     scenario: dict[str, Any] | None = Field(default=None, description="a scenario file as JSON")
     robot: Name | None = None
-    mode: Literal["naive", "paper", "predictive"] | None = Field(
+    mode: ModeName | None = Field(
         default=None, description="of the crab planner; null: the scenario's"
     )
     seed: Annotated[int, Field(ge=0, le=2**31 - 1)] | None = None

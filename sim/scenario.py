@@ -9,14 +9,17 @@ from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from importlib import resources
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationError, model_validator
+from pydantic_core import PydanticCustomError, core_schema
 
+from walking_console.planner import registry
+from walking_console.planner.registry import DEFAULT_MODE, DEFAULT_PLANNER
 from walking_console.planner.robot.card import shown
 from walking_console.planner.robot.model import Machine, is_file
 from walking_console.planner.types import Command
@@ -39,12 +42,11 @@ __all__ = [
     "Scenario", "ScenarioError", "list_scenarios", "list_terrains", "load_scenario", "scenario_from", "scenario_names", "with_settings",
 ]  # fmt: skip
 
-DEFAULT_MODE: Literal["paper", "predictive"] = "predictive"
 TIME_LIMIT = 600.0  # s, when [end] names no time
 DURATION_MAX = 3600.0  # s
-CRAB_DUTY_MIN = 0.75  # below it the standard margin is negative (H §4.3 (3))
 FILE_BYTES_MAX = 1_000_000
 FAULTS_SHOWN = 4
+TABLES_BY_KIND = ("terrain", "trace")  # their keys depend on their `kind`
 FIXED_SETTINGS = ("drive", "trace")  # either replaces the other
 
 
@@ -54,6 +56,33 @@ class ScenarioError(ValueError):
 
 class _Table(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+class _Registered:
+    """A string that is one of the names there are when it is read; more may be registered later."""
+
+    def __init__(self, names: Callable[[], Iterable[str]]) -> None:
+        self._names = names
+
+    def _check(self, value: Any) -> str:
+        known = sorted(self._names())
+        if isinstance(value, str) and value in known:
+            return value
+        quoted = [repr(name) for name in known]
+        expected = " or ".join([", ".join(quoted[:-1]), quoted[-1]] if quoted[1:] else quoted)
+        raise PydanticCustomError(
+            "literal_error", "Input should be {expected}", {"expected": expected}
+        )
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
+        return core_schema.no_info_plain_validator_function(self._check)
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        return {"type": "string", "enum": sorted(self._names())}
+
+
+PlannerName = Annotated[str, _Registered(registry.planner_names)]
+ModeName = Annotated[str, _Registered(registry.mode_names)]
 
 
 class GaitChange(_Table):
@@ -268,9 +297,9 @@ class Scenario(_Table):
     name: str = Field(default="", max_length=200)  # the file's, when not given
     title: str = Field(default="", max_length=500)
     robot: str = Field(default="titan3", min_length=1, max_length=500)
-    planner: Literal["crab", "trace"] = "crab"
-    # naive: only to show what H fig. 6(c) shows
-    mode: Literal["naive", "paper", "predictive"] = DEFAULT_MODE
+    planner: PlannerName = DEFAULT_PLANNER
+    # that of its planner, when not given; naive: only to show what H fig. 6(c) shows
+    mode: ModeName = DEFAULT_MODE
     # of the body: level, or leaning with the ground as far as strides allow
     attitude: Literal["level", "ground"] = "level"
     sensing: Literal["known", "eye", "none"] = "known"
@@ -289,8 +318,19 @@ class Scenario(_Table):
     noise: Noise | None = None
     _base: Path | None = PrivateAttr(None)
 
+    @model_validator(mode="before")
+    @classmethod
+    def _in_the_default_mode(cls, data: Any) -> Any:
+        if not isinstance(data, Mapping) or "mode" in data:
+            return data
+        planner = data.get("planner", DEFAULT_PLANNER)
+        if planner not in registry.planner_names():
+            return data
+        return {**data, "mode": registry.planner_entry(planner).default_mode or DEFAULT_MODE}
+
     @model_validator(mode="after")
     def _is_one_story(self) -> Scenario:
+        declared = registry.capabilities(self.planner, self.mode)
         for index, (one, two) in enumerate(pairwise(self.drive)):
             if not one.t < two.t:
                 raise ValueError(
@@ -298,22 +338,18 @@ class Scenario(_Table):
                 )
         if self.trace is not None and self.drive:
             raise ValueError("give either [[drive]] or [trace], not both")
-        if self.trace is not None and self.planner != "trace":
-            raise ValueError('[trace] needs planner = "trace"; the crab planner takes [[drive]]')
-        if self.attitude != "level" and not self.may_lean:
+        if self.trace is not None and not declared.follows_trace:
+            able = _keys_of(registry.choices_that(lambda planner: planner.follows_trace))
+            raise ValueError(f"[trace] needs {able}; the {self.planner} planner takes [[drive]]")
+        if self.attitude != "level" and not declared.may_lean:
+            able = _keys_of(registry.choices_that(lambda planner: planner.may_lean))
+            raise ValueError(f'attitude = "{self.attitude}" needs {able}')
+        if (self.gait.duty_factor or 1.0) < declared.duty_factor_min:
             raise ValueError(
-                f'attitude = "{self.attitude}" needs planner = "crab" and mode = "predictive"'
-            )
-        if self.planner == "crab" and (self.gait.duty_factor or 1.0) < CRAB_DUTY_MIN:
-            raise ValueError(
-                f"gait.duty_factor of the crab gait must be at least {CRAB_DUTY_MIN:g}, got {self.gait.duty_factor:g}"
+                f"gait.duty_factor of the {self.planner} gait must be at least "
+                f"{declared.duty_factor_min:g}, got {self.gait.duty_factor:g}"
             )
         return self
-
-    @property
-    def may_lean(self) -> bool:
-        """True when its planner knows how to let the body follow the ground."""
-        return self.planner == "crab" and self.mode == "predictive"
 
     @property
     def base(self) -> Path | None:
@@ -378,16 +414,23 @@ class Scenario(_Table):
         """m/s no gait of this machine exceeds: a leg must return in (1-β)T what the body walked in
         βT, three stand at any time.
         """
-        duty = (
-            self.gait_for(machine).duty_factor
-            if self.planner == "crab"
-            else 3.0 / len(machine.legs)
-        )
+        standing = registry.capabilities(self.planner, self.mode).standing_min
+        duty = self.gait_for(machine).duty_factor
+        if standing is not None:
+            duty = standing / len(machine.legs)
         return max(machine.speed[:2]) * (1.0 - duty) / duty
 
     def as_data(self) -> dict[str, Any]:
         """Plain data, every default written out; ``scenario_from`` makes an equal scenario of it."""
         return self.model_dump(exclude_none=True)
+
+
+def _keys_of(choices: Iterable[tuple[str, str]]) -> str:
+    """What to write in a scenario to have one of these planners in one of these modes."""
+    return " or ".join(
+        f'planner = "{planner}"' + (f' and mode = "{mode}"' if mode else "")
+        for planner, mode in choices
+    )
 
 
 def _square(reach: float) -> list[tuple[float, float]]:
@@ -618,9 +661,7 @@ def _fault(
     kind: str, loc: tuple[int | str, ...], message: str, value: Any, context: Mapping[str, Any]
 ) -> str:
     path = [
-        str(part)
-        for index, part in enumerate(loc)
-        if not (index == 1 and loc[0] in ("terrain", "trace"))
+        str(part) for index, part in enumerate(loc) if not (index == 1 and loc[0] in TABLES_BY_KIND)
     ]
     where = ".".join(path)
     if kind == "extra_forbidden":
@@ -646,7 +687,7 @@ def _keys(loc: Sequence[int | str]) -> Iterable[str]:
     """Known keys of the table at a place in the scenario."""
     if not loc:
         return Scenario.model_fields
-    if loc[0] in ("terrain", "trace"):
+    if loc[0] in TABLES_BY_KIND:
         kinds: Mapping[str, type[BaseModel]] = KINDS if loc[0] == "terrain" else TRACES
         return kinds[str(loc[1])].model_fields
     annotation = Scenario.model_fields[str(loc[0])].annotation

@@ -86,7 +86,7 @@ TABLE = {
     "walking_console.planner.crab": planner_row(f"{below('navigation')} crab", "trace control"),
     "walking_console.planner.trace": planner_row(f"{below('navigation')} trace", "crab control"),
     "walking_console.sim": rule(
-        f"walking_console.sim {SIM_SEES} numpy pydantic PIL",
+        f"walking_console.sim {SIM_SEES} numpy pydantic pydantic_core PIL",
         "walking_console.server walking_console.web asyncio random",
     ),
     "walking_console.sim.kinematic.contact": rule(
@@ -238,7 +238,7 @@ KNOWN = frozenset(FILES)
 STILL_TO_MOVE = {
     f"walking_console.{name}"
     for name in """planner.navigation.costmap
-    planner.navigation.local_planner sim.runs.benchmark sim.runs.metrics sim.runs.recorder
+    planner.navigation.local_planner sim.runs.benchmark
     sim.runs.runner""".split()
 }
 

@@ -24,6 +24,8 @@ from ..robot.model import Machine
 from ..terrain.map import TerrainMap
 from ..types import Blocked, Command, Gait, Stance, StepPlan
 from . import baseline, predictive_planner
+from .gait import AGREEMENT
+from .measures import off_standard
 from .planner import plan_step
 from .slope_adaptation import SlopeAdaptation
 
@@ -32,7 +34,7 @@ PAPER = Capabilities(
     leg_counts=(4,),
     takes_detours=True,
     gives_decision=True,
-    has_standard_layout=True,
+    standard_within=AGREEMENT,
     duty_factor_min=0.75,
 )
 PREDICTIVE = PAPER.but(may_lean=True, fits_slopes=True)
@@ -44,6 +46,8 @@ class CrabPlanner(Planner):
 
     def __init__(self, setup: PlannerSetup, capabilities: Capabilities) -> None:
         self._capabilities = capabilities
+        self._machine = setup.machine
+        self._gait = setup.gait
         self._steps = _STEP_PLANNERS[setup.mode](setup.gait, setup.explain)
         self._local: LocalPlanner | None = None
         if setup.detours and capabilities.takes_detours:
@@ -74,6 +78,11 @@ class CrabPlanner(Planner):
 
     def heed(self, command: Command) -> Command:
         return command if self._local is None else self._local.heed(command)
+
+    def off_standard(self, plan: StepPlan) -> float | None:
+        if plan.end.last_swing < 0:
+            return None
+        return off_standard(self._machine, self._gait, plan.crab_angle, plan.end)
 
     @property
     def attitude(self) -> BodyAttitude:

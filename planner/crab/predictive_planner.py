@@ -5,12 +5,11 @@ plan (the twin of ``plan``).
 from __future__ import annotations
 
 import math
-from collections.abc import Generator
 from dataclasses import replace
 from typing import Any
 
 from ..motion.step_builder import plan_on_all_feet
-from ..protocols import run_to_completion
+from ..protocols import PlanningJob, run_to_completion
 from ..robot.model import Machine
 from ..search import uninterruptible
 from ..terrain.map import TerrainMap
@@ -26,8 +25,6 @@ LEFT = 0.03  # m; without a way out it still goes on by as much as this
 WAYS_TOLD = 24  # candidates kept in a decision trace
 FINISHED_MAX = 12  # ways tried until the body, too, passes over the ground
 
-Thinking = Generator[None, bool | None, StepPlan | Blocked]
-
 
 def think(
     stance: Stance,
@@ -37,7 +34,7 @@ def think(
     gait: Gait,
     *,
     explain: bool = False,
-) -> Thinking:
+) -> PlanningJob:
     """The next step of the crab walk from N_k, thought through piece by piece; ``send(True)`` asks
     for the best so far.
 

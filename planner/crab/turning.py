@@ -13,12 +13,12 @@ and hands any back.
 from __future__ import annotations
 
 import math
-from collections.abc import Generator, Iterator
+from collections.abc import Iterator
 from functools import lru_cache
 from typing import NamedTuple
 
 from ..geometry.paths import arc_exit, arc_of_command
-from ..protocols import run_to_completion
+from ..protocols import PlanningJob, run_to_completion
 from ..robot.model import Machine
 from ..search import Option, Search, beam, firsts, uninterruptible
 from ..stability import XY, stable_on_arc, support_polygon
@@ -63,8 +63,6 @@ HURRIED = 2  # the look it begins with
 SWAY_MIN = 0.002  # m; a shorter sway is none
 # of what the legs lack of the standard phases, m of progress per m; 0: see legs bunch up and sway
 PHASE_WEIGHT = 0.25
-
-Thinking = Generator[None, bool | None, StepPlan | Blocked]
 
 
 class Place(NamedTuple):
@@ -397,7 +395,7 @@ def think_turn(
     gait: Gait,
     *,
     explain: bool = False,
-) -> Thinking:
+) -> PlanningJob:
     """The same, thought through piece by piece; always to the end, a few ticks of standing at most."""
     arc, pace = arc_of_command(
         command.crab_angle, command.speed, command.turn_rate, machine.yaw_length

@@ -30,6 +30,7 @@ from pydantic import BaseModel
 from starlette.exceptions import HTTPException as StarletteHTTPException
 from starlette.websockets import WebSocketDisconnect
 
+from walking_console.planner import registry
 from walking_console.planner.control.supervisor import DT
 from walking_console.planner.robot.model import MachineError, is_file, load_machine, machine_names
 from walking_console.sim.requests import EDIT_CELLS_MAX, Edit, Follow
@@ -444,12 +445,12 @@ def _add_console(app: FastAPI, desk: Desk) -> None:
         only.
         """
         now = clock.newest
-        if body.attitude != "level" and not (
-            now.planner == "crab" and now.planner_mode == "predictive"
+        if (
+            body.attitude != "level"
+            and not registry.capabilities(now.planner, now.planner_mode).may_lean
         ):
-            raise Refusal(
-                409, 'the body follows the ground only with the crab planner in mode "predictive"'
-            )
+            able = registry.spoken(registry.choices_that(lambda planner: planner.may_lean))
+            raise Refusal(409, f"the body follows the ground only with {able}")
         clock.request(Follow(body.attitude))
         return {"tick": now.tick, "attitude": body.attitude}
 

@@ -5,22 +5,24 @@ the line, smoothness of the body.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from walking_console.planner.crab.measures import average_height, is_standard, roughness
 from walking_console.sim.runs.recorder import Recorder
 from walking_console.sim.simulation import Simulation
 
+SPACING = 0.1  # m of course between the heights of which second differences are taken
 FLAT = 1e-6  # m; an average-height path smoother than this has nothing to be compared with
 
 
 def measured(console: Simulation, recorder: Recorder) -> dict[str, Any]:
     """Figures of ``run.json`` that an expectation may name; None where there is nothing to measure."""
     log = recorder.columns()
-    if console.world.scenario.planner != "crab" or not recorder.ticks:
+    within = console.planner.capabilities.standard_within
+    if within is None or not recorder.ticks:
         return dict.fromkeys(
             (
                 "off_line",
@@ -33,25 +35,25 @@ def measured(console: Simulation, recorder: Recorder) -> dict[str, Any]:
         )
     return {
         "off_line": off_line(recorder, log),
-        "standard_steps": standard_steps(recorder.steps),
-        "courses_unsettled": courses_unsettled(recorder),
+        "standard_steps": standard_steps(recorder.steps, within),
+        "courses_unsettled": courses_unsettled(recorder, within),
         **smoothness(console, recorder, log),
     }
 
 
-def standard_steps(steps: list[dict[str, Any]]) -> int:
+def standard_steps(steps: list[dict[str, Any]], within: float) -> int:
     """How many steps at the end of the walk, one after the other, came out in the standard layout."""
     count = 0
     for step in reversed(steps):
-        if not settled(step):
+        if not settled(step, within):
             break
         count += 1
     return count
 
 
-def settled(step: dict[str, Any]) -> bool:
-    """True when a recorded step ended in the standard layout."""
-    return step["off_standard"] is not None and is_standard(step["off_standard"])
+def settled(step: dict[str, Any], within: float) -> bool:
+    """True when a recorded step ended within this share of its stride of the standard layout."""
+    return step["off_standard"] is not None and bool(step["off_standard"] <= within)
 
 
 def courses(recorder: Recorder) -> list[tuple[int, int, dict[str, Any]]]:
@@ -65,14 +67,14 @@ def courses(recorder: Recorder) -> list[tuple[int, int, dict[str, Any]]]:
     ]
 
 
-def courses_unsettled(recorder: Recorder) -> int:
+def courses_unsettled(recorder: Recorder, within: float) -> int:
     """How many commanded courses were left, or ended, with a step that did not come out in the
     standard layout.
     """
     count = 0
     for begin, end, _ in courses(recorder):
         walked = [step for step in recorder.steps if begin < step["tick"] <= end]
-        if not walked or not settled(walked[-1]):
+        if not walked or not settled(walked[-1], within):
             count += 1
     return count
 
@@ -121,3 +123,18 @@ def average_rule(
     course = np.concatenate([[0.0], np.cumsum(way)])
     rows = np.array([0, *(tick - 1 for tick in ticks)], dtype=np.intp)
     return course, rows, np.array([average_height(log["feet"][row], height) for row in rows])
+
+
+def average_height(feet: Sequence[Sequence[float]], height: float) -> float:
+    """The height rule H fig. 15 draws as a broken line: H above the mean of the feet that stand, m."""
+    return sum(foot[2] for foot in feet) / len(feet) + height
+
+
+def roughness(course: NDArray[np.float64], heights: NDArray[np.float64]) -> float:
+    """RMS second difference of heights along a course, sampled every 0.1 m and linked linearly
+    between the points given, m.
+    """
+    samples = np.interp(np.arange(course[0], course[-1], SPACING), course, heights)
+    if samples.size < 3:
+        return 0.0
+    return float(np.sqrt(np.mean(np.diff(samples, 2) ** 2)))

@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 
 from walking_console.planner.control.supervisor import DT
-from walking_console.planner.crab.measures import off_standard
 from walking_console.planner.types import Mode, StepPlan
 from walking_console.sim.requests import input_record
 from walking_console.sim.simulation import Simulation
@@ -100,7 +99,7 @@ class Recorder:
             "planned_margin_min": plan.margin_min,
             "speed": plan.speed,
             "speed_max": plan.speed_max,
-            "off_standard": self._off_standard(plan),
+            "off_standard": console.planner.off_standard(plan),
         }
         if len(plan.swing) > 1:
             record["landings"] = [list(plan.end.feet[leg]) for leg in landed]
@@ -108,13 +107,6 @@ class Recorder:
             record["decision"] = plan.decision
         self.steps.append(record)
         self._step_began = console.tick_count
-
-    def _off_standard(self, plan: StepPlan) -> float | None:
-        """How far from the standard layout the crab step came out, as a share of λ*."""
-        world = self.console.world
-        if world.scenario.planner != "crab" or plan.end.last_swing < 0:
-            return None
-        return off_standard(world.machine, world.gait, plan.crab_angle, plan.end)
 
     def _note_input(self, tick: int, given: object) -> None:
         self.inputs.append({"tick": tick, **input_record(given)})

@@ -138,8 +138,8 @@ def test_it_does_what_it_declares(choice):
 
 def test_it_walks_in_a_simulation(choice):
     name, _, setup = choice
-    scenario = load_scenario("flat", [f'robot="{setup.machine.name}"'])
-    scenario = scenario.model_copy(update={"planner": name, "mode": setup.mode})
+    settings = [f"robot={setup.machine.name}", f"planner={name}"]
+    scenario = load_scenario("flat", settings + [f"mode={setup.mode}"] * bool(setup.mode))
     simulation = Simulation(prepare(scenario))
     simulation.order(ON)
     for _ in range(TICKS):

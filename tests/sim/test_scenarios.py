@@ -12,12 +12,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from walking_console.planner.registry import DEFAULT_MODE
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.trace.paths import KINDS as TRACE_KINDS
 from walking_console.planner.trace.paths import trace_from
 from walking_console.planner.types import Command
 from walking_console.sim.scenario import (
-    DEFAULT_MODE,
     TRACES,
     Scenario,
     ScenarioError,

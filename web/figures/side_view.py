@@ -12,8 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import FancyBboxPatch, Polygon
 from matplotlib.transforms import Affine2D
 
-from walking_console.planner.crab.measures import SPACING
-from walking_console.sim.runs.metrics import average_rule
+from walking_console.sim.runs.metrics import SPACING, average_rule
 from walking_console.web.figures.run_data import Array, RecordedWalk
 from walking_console.web.figures.style import EARTH, INK, LEGS, PALE
 
