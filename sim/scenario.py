@@ -526,7 +526,8 @@ def _check_integers(data: Any) -> None:
     while waiting:
         where, value = waiting.pop()
         if isinstance(value, int) and not -(2**63) <= value < 2**63:
-            raise ScenarioError(f"{where:.200} must be an integer of at most 64 bits")
+            said = " ".join(where.split())  # a key may hold line ends
+            raise ScenarioError(f"{said:.200} must be an integer of at most 64 bits")
         if isinstance(value, Mapping | list):
             entries = value.items() if isinstance(value, Mapping) else enumerate(value)
             waiting += [(f"{where}.{key}" if where else str(key), item) for key, item in entries]
