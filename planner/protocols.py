@@ -7,7 +7,6 @@ fit when they have what is written here. Everything is SI: metres, radians, seco
 
 from __future__ import annotations
 
-from abc import abstractmethod
 from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal, Protocol, TypeVar
@@ -81,17 +80,37 @@ class PlannerSetup:
 class Planner(Protocol):
     """Decides the next step: the whole of Level B, detours included.
 
-    Only ``plan`` and ``capabilities`` must be written; the rest are what a planner that walks level,
-    takes the command as it comes and foresees nothing would say.
+    A planner of one's own subclasses it and writes ``plan_step``, a plain call, or ``plan``, a job
+    that pauses; either makes the other. Its class is called with a ``PlannerSetup``. The rest are
+    what a planner that walks level, takes the command as it comes and foresees nothing would say.
+
+    >>> from walking_console import Blocked, Command, Planner, Stance, StepPlan, TerrainMap
+    >>> class Stubborn(Planner):
+    ...     def plan_step(self, stance, command, terrain):
+    ...         return Blocked("it does not want to")
+    >>> feet = ((0.5, 0.4, 0.0), (-0.5, 0.4, 0.0), (-0.5, -0.4, 0.0), (0.5, -0.4, 0.0))
+    >>> Stubborn().plan_step(Stance((0.0, 0.0, 0.7, 0.0), feet), Command(speed=0.1), None).reason
+    'it does not want to'
     """
 
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        if cls.plan is Planner.plan and cls.plan_step is Planner.plan_step:
+            raise TypeError(f"{cls.__name__} must define plan_step or plan")
+
     @property
-    @abstractmethod
     def capabilities(self) -> Capabilities:
         """What it can do, in the mode it was made for."""
-        ...
+        return Capabilities()
 
-    @abstractmethod
+    def plan_step(
+        self, stance: Stance, command: Command, terrain: TerrainMap
+    ) -> StepPlan | Blocked:
+        """The step from ``stance``, a step-switching point N_k, or ``Blocked``: all of ``plan`` at
+        once.
+        """
+        return run_to_completion(self.plan(stance, command, terrain))
+
     def plan(self, stance: Stance, command: Command, terrain: TerrainMap) -> PlanningJob:
         """Begin to plan the step from ``stance``, a step-switching point N_k.
 
@@ -99,7 +118,8 @@ class Planner(Protocol):
         is no step. It never raises for ground it cannot cross, and the same three arguments after
         the same history give the same step, bit for bit.
         """
-        ...
+        return self.plan_step(stance, command, terrain)
+        yield
 
     def heed(self, command: Command) -> Command:
         """Take note of the command of this tick, and answer with the one to walk by.
@@ -137,6 +157,11 @@ class Plant(Protocol[GroundT]):
     """The machine on its ground: foot velocities in, what it senses out, one tick of 20 ms at a time.
 
     Changed in place, by ``Simulation`` only. ``GroundT`` is what it is set down on.
+
+    >>> from walking_console import Plant, Simulation, load_scenario
+    >>> plant: Plant = Simulation(load_scenario("flat")).plant
+    >>> plant.state, plant.soles, [round(v, 3) for v in plant.body]
+    ('standing', [True, True, True, True], [0.0, 0.0, 0.85, 0.0, 0.0, 0.0])
     """
 
     @property

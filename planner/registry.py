@@ -36,6 +36,8 @@ ENTRY_POINTS = "walking_console.planners"
 DEFAULT_PLANNER = "crab"
 DEFAULT_MODE = next(iter(CRAB_MODES))
 
+PLAIN: Mapping[str, Capabilities] = {"": Capabilities()}  # no modes, nothing special
+
 Maker = Callable[[PlannerSetup], Planner]
 
 
@@ -68,11 +70,28 @@ _ENTRIES: dict[str, PlannerEntry] = {}
 
 
 def register_planner(
-    name: str, *, modes: Mapping[str, Capabilities], stance: StanceMaker = square_stance
+    name: str,
+    *,
+    modes: Mapping[str, Capabilities] = PLAIN,
+    stance: StanceMaker = square_stance,
 ) -> Callable[[Maker], Maker]:
     """Enter a planner under a name; decorates its class, or a function that makes it.
 
-    Raises ``PlannerError`` when the name is taken or no mode is given.
+    ``modes`` are the modes it has, the default one first, each with what it declares to be able to
+    do; ``stance`` makes the posture a walk begins in. Raises ``PlannerError`` when the name is
+    taken or no mode is given.
+
+    >>> from walking_console import Blocked, Planner, StepPlanner, load_machine, register_planner
+    >>> @register_planner("stubborn")
+    ... class Stubborn(Planner):
+    ...     def __init__(self, setup):
+    ...         self.machine = setup.machine
+    ...
+    ...     def plan_step(self, stance, command, terrain):
+    ...         return Blocked(f"{self.machine.name} does not want to")
+    >>> StepPlanner(load_machine("titan3"), "stubborn").capabilities.may_lean
+    False
+    >>> unregister_planner("stubborn")
     """
     if name in _ENTRIES:
         raise PlannerError(f"a planner {name!r} is registered already")

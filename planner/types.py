@@ -31,6 +31,11 @@ class Command:
     ``crab_angle`` α is the direction of travel in body axes, positive to the left; ``speed`` is
     never negative: to walk backwards, turn the crab angle. ``turn_rate`` is the yaw rate of the
     torso, positive to the left. Speed 0 with turn rate 0 means hold.
+
+    >>> from walking_console import Command
+    >>> to_the_left = Command(crab_angle=1.57, speed=0.1)
+    >>> to_the_left.holds, Command().holds
+    (False, True)
     """
 
     crab_angle: float = 0.0  # rad
@@ -98,7 +103,13 @@ class Stance:
     ``lifted`` are legs that stay in the air across the switch (K only). ``course`` is the distance
     already walked on the trace. ``still`` counts the steps since the body last got on (the
     lookahead's guard against walking on the spot). ``lean`` is the gradient of the body's floor
-    along absolute x and y; (0, 0) is level.
+    along absolute x and y; (0, 0) is level. Metres and radians, absolute frame.
+
+    >>> from walking_console import Stance
+    >>> feet = ((0.5, 0.4, 0.0), (-0.5, 0.4, 0.0), (-0.5, -0.4, 0.0), (0.5, -0.4, 0.0))
+    >>> standing = Stance(body=(0.0, 0.0, 0.7, 0.0), feet=feet)
+    >>> standing.lifted, standing.last_swing
+    ((), -1)
     """
 
     body: tuple[float, float, float, float]  # x, y, z, yaw
@@ -119,6 +130,18 @@ class StepPlan:
     §4.5). The swing foot's last knot is what it *aims* at: h_up below the expected ground, so that
     touch decides (H §4.5); ``end`` holds the stance expected at N_{k+1}, with the foot on the
     ground at its landing point J_u. The body leans over evenly from ``lean`` to that of ``end``.
+    The arrays are write-protected.
+
+    >>> import numpy as np
+    >>> from walking_console import Command, StepPlanner, TerrainMap, load_machine
+    >>> machine = load_machine("titan3")
+    >>> terrain = TerrainMap.from_heights(np.zeros((120, 120)), 0.05, machine, (-3.0, -3.0))
+    >>> planner = StepPlanner(machine)
+    >>> plan = planner.plan(planner.stance_on(terrain), Command(speed=0.1), terrain)
+    >>> [phase.name for phase in dict.fromkeys(plan.phases)], plan.feet.shape[1:]
+    (['SUPPORT', 'UP', 'RETURN', 'DOWN'], (4, 3))
+    >>> f"leg {plan.swing[0] + 1} swings in a step of {plan.times[-1]:.2f} s"
+    'leg 3 swings in a step of 1.87 s'
     """
 
     swing: tuple[int, ...]  # legs in the air: u [H], i1..ik [K]; () is a four-leg shift
@@ -148,6 +171,20 @@ class StepPlan:
 class Blocked:
     """The planner's answer when there is no step: which constraint failed, for which leg, and the
     cells it refused.
+
+    >>> import numpy as np
+    >>> from walking_console import Blocked, Command, StepPlanner, TerrainMap, load_machine
+    >>> machine = load_machine("titan3")
+    >>> island = np.full((120, 120), np.nan)
+    >>> island[45:75, 40:80] = 0.0
+    >>> terrain = TerrainMap.from_heights(island, 0.05, machine, (-3.0, -3.0))
+    >>> planner = StepPlanner(machine)
+    >>> stance = planner.stance_on(terrain)
+    >>> answer = planner.plan(stance, Command(speed=0.1), terrain)
+    >>> while not isinstance(answer, Blocked):
+    ...     answer = planner.plan(answer.end, Command(speed=0.1), terrain)
+    >>> answer.reason.startswith("no way on"), answer.leg in range(4)
+    (True, True)
     """
 
     reason: str

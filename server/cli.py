@@ -139,14 +139,13 @@ def run(
     ] = False,
 ) -> None:
     """Run a scenario headless, faster than life."""
-    from walking_console.sim.runs.runner import run as run_headless
-    from walking_console.sim.runs.runner import succeeded
+    from walking_console.sim.runs.runner import run_scenario, succeeded
 
     with one_clear_line():
         chosen = load_scenario(scenario, settings or (), seed)
         directory = empty_directory(out, force)
         with progress_shown(progress_json) as progress:
-            summary = run_headless(chosen, directory, explain=trace_decisions, progress=progress)
+            summary = run_scenario(chosen, directory, explain=trace_decisions, progress=progress)
     if not progress_json:
         print_summary(summary, directory)
     raise typer.Exit(0 if succeeded(summary) else 1)

@@ -488,8 +488,15 @@ def list_scenarios() -> tuple[tuple[str, str], ...]:
 def load_scenario(
     name_or_path: str, settings: Sequence[str] = (), seed: int | None = None
 ) -> Scenario:
-    """A shipped scenario by name or a scenario file by path, changed by ``--set`` settings. Raises
-    ``ScenarioError``.
+    """A shipped scenario by name or a scenario file by path, changed by ``--set`` settings.
+
+    A setting is ``KEY=VALUE`` with a dotted key and a TOML value. Raises ``ScenarioError``, a
+    ``ValueError`` of one clear line, for a name, key or value there is not.
+
+    >>> from walking_console import load_scenario
+    >>> scenario = load_scenario("river", ["terrain.width=0.4", "end={time=30.0}"], seed=7)
+    >>> scenario.terrain.width, scenario.end.time, scenario.seed, scenario.robot
+    (0.4, 30.0, 7, 'titan3')
     """
     if name_or_path in scenario_names():
         text, base, name = _shipped(name_or_path), Path(), name_or_path

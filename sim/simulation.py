@@ -50,6 +50,13 @@ class Simulation:
     gait supervisor), ``perception`` (the ground, and what is believed of it), ``command``,
     ``tick_count``, ``distance`` (m walked along the commanded course) and ``refused`` (why the last
     refused request was). ``on_input`` is called with the tick and every command or request served.
+
+    >>> from walking_console import Simulation, load_scenario
+    >>> sim = Simulation(load_scenario("holes"))
+    >>> sim.drive(crab_angle=0.3, speed=0.1)
+    >>> sim.run(seconds=10)
+    >>> round(sim.distance, 2), sim.snapshot().step
+    (0.94, 7)
     """
 
     def __init__(self, scenario_or_world: Scenario | World, *, explain: bool = False) -> None:

@@ -65,7 +65,14 @@ class TerrainView:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Snapshot:
-    """One instant. Absolute frame; SI units; legs in machine order."""
+    """One instant: what a viewer may see. Absolute frame, SI units, legs in machine order. Frozen.
+
+    >>> from walking_console import Simulation, load_scenario
+    >>> sim = Simulation(load_scenario("flat"))
+    >>> seen = sim.snapshot()
+    >>> seen.time, seen.mode.name, seen.contact, round(seen.polygon_margin, 3)
+    (0.0, 'STAND', (True, True, True, True), 0.457)
+    """
 
     tick: Annotated[int, Sent(example=4211)]
     time: Annotated[float, Sent("time_s", example=84.22)]  # s of simulated time

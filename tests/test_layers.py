@@ -83,6 +83,7 @@ TABLE = {
     "walking_console.planner.robot.collision": planner_row(below("terrain")),
     # The only module of the planner's root that knows both papers.
     "walking_console.planner.registry": planner_row(f"{below('control')} crab trace"),
+    "walking_console.planner.calls": planner_row(f"{below('control')} registry"),
     "walking_console.planner.crab": planner_row(f"{below('navigation')} crab", "trace control"),
     "walking_console.planner.trace": planner_row(f"{below('navigation')} trace", "crab control"),
     "walking_console.sim": rule(

@@ -13,6 +13,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
+from ..types import Gait
 from .card import (
     LENGTH_MAX,
     chain_data,
@@ -100,6 +101,11 @@ class Machine:
     legs: tuple[Leg, ...]
     card_chains: tuple[LegChain, ...] = ()  # as the card gives them; (): it gives none
     card_masses: Masses | None = None  # as the card gives them
+
+    @cached_property
+    def gait(self) -> Gait:
+        """The gait it was made for; a scenario may override it."""
+        return Gait(self.duty_factor, self.lift_up, self.lift_down, self.height)
 
     @cached_property
     def chains(self) -> tuple[LegChain, ...]:
@@ -210,8 +216,14 @@ def machine_names() -> tuple[str, ...]:
 
 
 def load_machine(name_or_path: str, relative_to: Path | None = None) -> Machine:
-    """A shipped robot by name, or a robot file by path (relative to ``relative_to``); raises
-    ``MachineError``.
+    """A shipped robot by name, or a robot file by path (relative to ``relative_to``).
+
+    Raises ``MachineError``, a ``ValueError`` that lists every reason.
+
+    >>> from walking_console import load_machine
+    >>> machine = load_machine("titan3")
+    >>> [leg.name for leg in machine.legs], machine.mass, machine.height
+    (['front left', 'rear left', 'rear right', 'front right'], 80.0, 0.85)
     """
     if name_or_path in machine_names():
         text = (

@@ -15,7 +15,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..robot.model import Machine
 
@@ -28,8 +28,19 @@ RISE_WINDOW = 1.0  # m, side of the square that counts as "the ground around"
 
 @dataclass(frozen=True, eq=False)
 class TerrainMap:
-    """Believed ground. ``heights`` (ny, nx) metres, ``forbidden`` (ny, nx) bool, ``cell`` metres,
-    ``origin`` x, y.
+    """Believed ground: ``heights`` (ny, nx) in metres, ``forbidden`` (ny, nx) bool, the side of a
+    ``cell`` in metres, ``origin`` x, y.
+
+    Frozen, its arrays write-protected. ``from_heights`` makes one of what you measured. Raises
+    ``ValueError`` for arrays of different shapes.
+
+    >>> import numpy as np
+    >>> from walking_console import TerrainMap, load_machine
+    >>> heights = np.zeros((40, 60))
+    >>> heights[:, 30:] = np.nan
+    >>> terrain = TerrainMap.from_heights(heights, 0.05, load_machine("titan3"))
+    >>> terrain.allows(0.5, 1.0), terrain.allows(2.0, 1.0), terrain.height_at(0.5, 1.0)
+    (True, False, 0.0)
     """
 
     heights: NDArray[np.float64]
@@ -55,6 +66,35 @@ class TerrainMap:
             array = np.ascontiguousarray(getattr(self, name))
             array.setflags(write=False)
             object.__setattr__(self, name, array)
+
+    @classmethod
+    def from_heights(
+        cls,
+        heights: ArrayLike,
+        cell: float,
+        machine: Machine,
+        origin: tuple[float, float] = (0.0, 0.0),
+        forbidden: ArrayLike | None = None,
+    ) -> TerrainMap:
+        """The map of measured ground, for one machine to walk on.
+
+        ``heights`` (ny, nx) in metres, row 0 at the least y and column 0 at the least x, NaN where
+        there is no ground; ``cell`` is the side of a cell in metres, ``origin`` the x, y of the
+        outer corner of cell [0, 0]. ``forbidden`` (ny, nx) says where no foot may land; without it
+        that is worked out from the heights for this machine's feet (``classify``). Raises
+        ``ValueError`` for other shapes, infinite heights and cells of no size.
+        """
+        ground = np.array(heights, dtype=np.float64)
+        if ground.ndim != 2 or np.isinf(ground).any():
+            raise ValueError(f"heights must be (ny, nx), finite or NaN, got shape {ground.shape}")
+        if not 0.0 < cell < math.inf:
+            raise ValueError(f"cell must be the side of a cell in metres, got {cell!r}")
+        if forbidden is None:
+            closed = classify(ground, cell, machine)
+        else:
+            closed = np.array(forbidden, dtype=np.bool_)
+        x, y = origin
+        return cls(ground, closed, float(cell), (float(x), float(y)), machine.foot_radius)
 
     # scalar views for the planning loops: numpy scalars cost three times as much
     @cached_property

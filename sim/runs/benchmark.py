@@ -31,7 +31,7 @@ from walking_console.planner.robot.model import load_machine
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.types import Blocked, Command, Gait, Sensing, Stance, StepPlan
 from walking_console.sim.runs.recorder import Recorder
-from walking_console.sim.runs.runner import product_version, run
+from walking_console.sim.runs.runner import product_version, run_scenario
 from walking_console.sim.scenario import load_scenario
 from walking_console.sim.simulation import Simulation
 from walking_console.sim.world import prepare
@@ -152,7 +152,7 @@ def run_speed() -> float:
 
     def work() -> int:
         with tempfile.TemporaryDirectory() as folder:
-            return int(run(scenario, Path(folder))["ticks"])
+            return int(run_scenario(scenario, Path(folder))["ticks"])
 
     return DT / _median_of(work)
 

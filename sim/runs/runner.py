@@ -63,16 +63,24 @@ def _request(entry: Drive) -> TakePosture | Halt | None:
     return Halt() if entry.command().holds else None
 
 
-def run(
+def run_scenario(
     scenario: Scenario,
-    out: Path | None = None,
+    out: str | Path | None = None,
     *,
     explain: bool = False,
     progress: Progress | None = None,
     world: World | None = None,
 ) -> dict[str, Any]:
-    """Walk a scenario to its end and write the run directory; the answer is what ``run.json``
-    holds.
+    """Walk a scenario to its end, faster than life, and say how it went: what ``run.json`` holds.
+
+    ``out`` is the run directory to write, made when it is not there. ``explain`` keeps why every
+    step was taken, ``progress`` is called now and then, ``world`` saves preparing the scenario's
+    again. Raises ``RunError`` when the directory cannot be written, and what ``prepare`` raises.
+
+    >>> from walking_console import load_scenario, run_scenario
+    >>> summary = run_scenario(load_scenario("flat", ["end={time=10.0}", "expect={}"]))
+    >>> summary["result"], summary["steps"], round(summary["distance"], 3)
+    ('completed', 4, 0.8)
     """
     console = Simulation(world or prepare(scenario), explain=explain)
     recorder = Recorder(console)
@@ -84,7 +92,8 @@ def run(
     summary = summarise(console, recorder, scenario, result, reason)
     if out is not None:
         try:
-            recorder.write(out, summary)
+            Path(out).mkdir(parents=True, exist_ok=True)
+            recorder.write(Path(out), summary)
         except OSError as error:
             raise RunError(
                 f"cannot write the run directory {str(out)!r}: {error.strerror}"

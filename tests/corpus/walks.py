@@ -18,7 +18,7 @@ import numpy as np
 from walking_console.planner.types import Command
 from walking_console.sim.requests import Edit, Push, TakePosture
 from walking_console.sim.runs.recorder import Recorder
-from walking_console.sim.runs.runner import run
+from walking_console.sim.runs.runner import run_scenario
 from walking_console.sim.scenario import load_scenario, scenario_names
 from walking_console.sim.simulation import Simulation
 from walking_console.sim.world import prepare
@@ -132,7 +132,7 @@ def walk(name: str) -> list[dict[str, Any]]:
         return _with_events(recipe)
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder)
-        summary = run(scenario, out)
+        summary = run_scenario(scenario, out)
         with np.load(out / "ticks.npz", allow_pickle=False) as log:
             hashes = log["hash"]
         steps = [json.loads(line) for line in (out / "steps.jsonl").read_text("utf-8").splitlines()]

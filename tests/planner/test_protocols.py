@@ -155,12 +155,26 @@ def test_a_planner_of_one_module_needs_no_more_than_two_methods(toy):
     assert own == ["capabilities", "plan"]
 
 
-def test_the_protocol_without_its_two_methods_cannot_be_made():
-    class Nothing(Planner):
-        pass
+def test_a_planner_that_plans_nothing_is_refused_where_it_is_written():
+    with pytest.raises(TypeError, match="Nothing must define plan_step or plan"):
 
-    with pytest.raises(TypeError, match="abstract"):
-        Nothing()
+        class Nothing(Planner):
+            pass
+
+
+def test_a_planner_may_be_a_plain_call_or_a_job_and_is_both():
+    class Call(Planner):
+        def plan_step(self, stance, command, terrain):
+            return Blocked("called")
+
+    class Job(Planner):
+        def plan(self, stance, command, terrain):
+            yield
+            return Blocked("done")
+
+    asked = (Stance((0.0, 0.0, 0.7, 0.0), ()), ON, level())
+    assert run_to_completion(Call().plan(*asked)) == Call().plan_step(*asked) == Blocked("called")
+    assert run_to_completion(Job().plan(*asked)) == Job().plan_step(*asked) == Blocked("done")
 
 
 def test_the_ground_and_what_is_believed_of_it_are_both_height_maps():

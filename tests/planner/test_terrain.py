@@ -112,3 +112,35 @@ def test_a_long_plain_slope_is_not_mistaken_for_a_tall_rise():
     x = (np.arange(400) + 0.5) * 0.025
     heights = np.tile(x * math.tan(math.radians(20)), (100, 1))
     assert not classify(heights, 0.025, MACHINE)[50, 100:300].any()
+
+
+def test_a_map_of_measured_heights_closes_what_this_machine_cannot_step_on():
+    heights = np.zeros((40, 60))
+    heights[10:20, 10:20] = np.nan
+    heights[30:, 40:] = 1.0
+    terrain = TerrainMap.from_heights(heights.tolist(), 0.05, MACHINE, origin=(-1.0, 2.0))
+    assert np.array_equal(terrain.forbidden, classify(heights, 0.05, MACHINE))
+    assert terrain.origin == (-1.0, 2.0) and terrain.foot_radius == MACHINE.foot_radius
+    heights[0, 0] = 5.0
+    assert terrain.heights[0, 0] == 0.0
+
+
+def test_a_map_may_bring_its_own_forbidden_cells():
+    closed = np.zeros((4, 4), dtype=bool)
+    closed[1, 2] = True
+    terrain = TerrainMap.from_heights(np.zeros((4, 4)), 0.1, MACHINE, forbidden=closed)
+    assert terrain.forbidden.sum() == 1 and not terrain.allows(0.25, 0.15)
+
+
+@pytest.mark.parametrize(
+    ("heights", "cell", "said"),
+    [
+        (np.zeros(4), 0.1, r"must be \(ny, nx\)"),
+        (np.full((2, 2), np.inf), 0.1, "finite or NaN"),
+        (np.zeros((2, 2)), 0.0, "side of a cell"),
+        (np.zeros((2, 2)), float("nan"), "side of a cell"),
+    ],
+)
+def test_what_is_no_map_is_refused(heights, cell, said):
+    with pytest.raises(ValueError, match=said):
+        TerrainMap.from_heights(heights, cell, MACHINE)

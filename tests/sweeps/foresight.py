@@ -25,7 +25,7 @@ from walking_console.planner.robot.model import load_machine
 from walking_console.planner.stability import polygon_margin, support_polygon
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.types import Blocked, Command, Gait, Stance, StepPlan
-from walking_console.sim.runs.runner import run
+from walking_console.sim.runs.runner import run_scenario
 from walking_console.sim.scenario import load_scenario
 
 TITAN = load_machine("titan3")
@@ -263,7 +263,7 @@ def grounds(
             why: dict[str, list[int]] = {}
             speeds, margin, simulated, began = [], math.inf, 0.0, time.process_time()
             for seed in range(first, first + count):
-                summary = run(load_scenario("flat", settings_for(kind, mode, seed)))
+                summary = run_scenario(load_scenario("flat", settings_for(kind, mode, seed)))
                 simulated += summary["seconds"]
                 margin = min(margin, summary["margin_min"] or 0.0)
                 reason = fault(summary)

@@ -13,7 +13,7 @@ import numpy as np
 
 from walking_console.planner.robot.model import Machine, machine_from
 from walking_console.planner.stability import MARGIN_SLACK
-from walking_console.sim.runs.runner import run
+from walking_console.sim.runs.runner import run_scenario
 from walking_console.sim.scenario import load_scenario
 
 DT = 0.02
@@ -62,7 +62,7 @@ class Walked:
 
 def walked(folder: Path, scenario: str, *settings: str) -> Walked:
     """Run ``scenario`` with ``--set`` settings and read the run directory back."""
-    summary = run(load_scenario(scenario, settings), folder)
+    summary = run_scenario(load_scenario(scenario, settings), folder)
     with (
         np.load(folder / "ticks.npz", allow_pickle=False) as log,
         np.load(folder / "terrain.npz", allow_pickle=False) as ground,

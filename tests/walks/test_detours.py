@@ -10,7 +10,7 @@ import pytest
 from walking_console.planner.navigation.local_planner import RouteState
 from walking_console.planner.types import Command, Mode
 from walking_console.sim.requests import Edit
-from walking_console.sim.runs.runner import replay, run
+from walking_console.sim.runs.runner import replay, run_scenario
 from walking_console.sim.scenario import ScenarioError, load_scenario
 from walking_console.sim.simulation import Simulation
 from walking_console.sim.world import prepare
@@ -116,8 +116,8 @@ def test_a_hole_dug_ahead_is_seen_and_not_stepped_into():
 def test_a_run_with_an_eye_is_repeatable(tmp_path):
     scenario = load_scenario("holes", ["sensing=eye", "end={time=40.0}", "expect={}"])
     (tmp_path / "one").mkdir()
-    one = run(scenario, tmp_path / "one")
-    assert run(scenario)["state_hash"] == one["state_hash"]
+    one = run_scenario(scenario, tmp_path / "one")
+    assert run_scenario(scenario)["state_hash"] == one["state_hash"]
     assert replay(tmp_path / "one")["equal"]
     assert json.loads((tmp_path / "one" / "run.json").read_text())["scenario"]["sensing"] == "eye"
 

@@ -11,7 +11,7 @@ from walking_console.planner.control.supervisor import DT
 from walking_console.planner.crab.gait import critical_angle, stroke_length
 from walking_console.planner.crab.planner import cruise_speed
 from walking_console.planner.robot.model import load_machine
-from walking_console.sim.runs.runner import run, succeeded
+from walking_console.sim.runs.runner import run_scenario, succeeded
 from walking_console.sim.scenario import ScenarioError, load_scenario
 from walking_console.web.figures import FIGURES, draw_figure
 from walking_console.web.figures.run_data import FigureError, Recipe, read_walk, walk_recipe
@@ -257,4 +257,4 @@ def test_what_cannot_be_drawn_is_said_in_one_line(tmp_path):
 )
 def test_a_posture_it_cannot_stand_in_is_refused_in_one_line(feet, reason):
     with pytest.raises(ScenarioError, match=reason):
-        run(load_scenario("fig6c", (f"start.feet={feet}", "end={time=1.0}", "expect={}")))
+        run_scenario(load_scenario("fig6c", (f"start.feet={feet}", "end={time=1.0}", "expect={}")))

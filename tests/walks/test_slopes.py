@@ -10,7 +10,7 @@ from walking_console.planner.motion.body_tilt import LEVEL
 from walking_console.planner.types import Command, Mode
 from walking_console.sim.requests import Edit, Follow, Push, TakePosture, input_from
 from walking_console.sim.runs.recorder import Recorder
-from walking_console.sim.runs.runner import replay, run
+from walking_console.sim.runs.runner import replay, run_scenario
 from walking_console.sim.scenario import ScenarioError, load_scenario, scenario_from
 from walking_console.sim.simulation import Simulation
 from walking_console.sim.world import prepare
@@ -29,7 +29,7 @@ HOLD = Command()
 
 def ran(scenario, folder):
     folder.mkdir()
-    return run(scenario, folder)
+    return run_scenario(scenario, folder)
 
 
 def on_slope(degrees, course, attitude="level", **more):
@@ -267,7 +267,7 @@ def test_a_change_of_attitude_is_recorded_and_replayed():
 
 @pytest.mark.parametrize("name", ["rough", "stairs-up"])
 def test_uneven_ground_is_walked_by_a_body_that_follows_it(name):
-    summary = run(load_scenario(name, ['attitude="ground"']))
+    summary = run_scenario(load_scenario(name, ['attitude="ground"']))
     assert summary["result"] == "completed" and summary["falls"] == 0
     assert summary["forbidden_steps"] == 0 and summary["margin_min"] >= LOWEST
 

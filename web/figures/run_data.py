@@ -19,7 +19,7 @@ from walking_console.sim.runs.runner import (
     read_log,
     read_run,
     read_steps,
-    run,
+    run_scenario,
 )
 from walking_console.sim.scenario import load_scenario, scenario_from
 from walking_console.sim.world import prepare
@@ -131,7 +131,7 @@ def walk_recipe(recipe: Recipe, directory: Path) -> Path:
     machine = load_machine(scenario.robot, scenario.base)
     if recipe.lift_speed is not None:
         machine = replace(machine, speed=(machine.speed[0], machine.speed[1], recipe.lift_speed))
-    run(scenario, directory, world=prepare(scenario, machine))
+    run_scenario(scenario, directory, world=prepare(scenario, machine))
     return directory
 
 
