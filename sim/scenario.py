@@ -25,6 +25,7 @@ from walking_console.planner.robot.model import Machine, is_file
 from walking_console.planner.types import Command
 from walking_console.planner.types import Gait as MachineGait
 
+from .plants import DEFAULT_PLANT, PLANTS
 from .range_sensor import EyeSettings
 from .terrain.generators import (
     KINDS,
@@ -83,6 +84,7 @@ class _Registered:
 
 PlannerName = Annotated[str, _Registered(registry.planner_names)]
 ModeName = Annotated[str, _Registered(registry.mode_names)]
+PlantName = Annotated[str, _Registered(PLANTS.keys)]
 
 
 class GaitChange(_Table):
@@ -300,6 +302,7 @@ class Scenario(_Table):
     planner: PlannerName = DEFAULT_PLANNER
     # that of its planner, when not given; naive: only to show what H fig. 6(c) shows
     mode: ModeName = DEFAULT_MODE
+    plant: PlantName = DEFAULT_PLANT  # what the machine is simulated by
     # of the body: level, or leaning with the ground as far as strides allow
     attitude: Literal["level", "ground"] = "level"
     sensing: Literal["known", "eye", "none"] = "known"

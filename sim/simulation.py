@@ -18,7 +18,7 @@ from walking_console.planner import registry, stability
 from walking_console.planner.control.foot_controller import Gains
 from walking_console.planner.control.supervisor import GaitSupervisor
 from walking_console.planner.geometry.transforms import direction
-from walking_console.planner.protocols import Planner, PlannerSetup
+from walking_console.planner.protocols import Planner, PlannerSetup, Plant
 from walking_console.planner.types import (
     TICK,
     Blocked,
@@ -28,12 +28,14 @@ from walking_console.planner.types import (
     StepPlan,
 )
 
-from .kinematic.plant import KinematicPlant, SensorNoise
 from .observation import take_snapshot
 from .perception import Perception
+from .plants import plant_entry
 from .requests import Edit, Follow, Halt, Load, Push, Request, Reset, TakePosture
 from .scenario import Scenario
+from .sensor_noise import SensorNoise
 from .snapshot import Snapshot
+from .terrain.ground import Ground
 from .world import World, first_crab_angle, prepare
 
 HOLD = Command()
@@ -277,9 +279,11 @@ class Simulation:
         return take_snapshot(self, paused=paused, rate=rate, late=late)
 
 
-def _plant_in(world: World) -> KinematicPlant:
+def _plant_in(world: World) -> Plant[Ground]:
     """The machine on its ground, in the posture it begins in."""
-    wanted = world.scenario.noise
+    scenario = world.scenario
+    wanted = scenario.noise
     noise = None if wanted is None else SensorNoise(wanted.position, wanted.posture)
-    rng = np.random.default_rng(world.scenario.seed)
-    return KinematicPlant(world.machine, world.ground, world.stance, noise=noise, rng=rng)
+    rng = np.random.default_rng(scenario.seed)
+    make = plant_entry(scenario.plant).make
+    return make(world.machine, world.ground, world.stance, noise=noise, rng=rng)

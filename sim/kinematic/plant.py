@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -24,6 +23,7 @@ from walking_console.planner.protocols import PlantState
 from walking_console.planner.robot.model import Machine
 from walking_console.planner.types import Point, Sensing, Stance
 
+from ..sensor_noise import SensorNoise, with_noise
 from ..terrain.ground import Ground
 from .configuration import SOLE_GAP, Configuration, FootMotion
 from .falling import UPRIGHT, Falling
@@ -35,14 +35,6 @@ from .swing_feet import swing
 
 # m a tick; a foot that has come down and moves faster over the ground than this does not carry
 SCRAPE = 0.001
-
-
-@dataclass(frozen=True, slots=True)
-class SensorNoise:
-    """Standard deviations of what the sensors add, drawn anew each tick."""
-
-    position: float = 0.0  # m, position monitors, per axis
-    posture: float = 0.0  # rad, roll and pitch
 
 
 class KinematicPlant:
@@ -90,10 +82,8 @@ class KinematicPlant:
     def sense(self) -> Sensing:
         """Position monitors, soles, whiskers and posture at this tick."""
         q = self.q
-        if self.noise is not None:
-            return self._noisy(self.noise)
         x, y, z, roll, pitch, yaw = q.body
-        return Sensing(
+        exact = Sensing(
             self.tick,
             (x, y, z, roll, pitch, yaw),
             tuple([(tip[0], tip[1], tip[2]) for tip in q.tips]),
@@ -102,18 +92,9 @@ class KinematicPlant:
             tuple(q.slipping),
             tuple(q.rims),
         )
-
-    def _noisy(self, noise: SensorNoise) -> Sensing:
-        assert self.rng is not None
-        q = self.q
-        drawn = self.rng.standard_normal(3 * len(q.tips) + 2).tolist()
-        p, a = noise.position, noise.posture
-        off = zip(q.tips, drawn[0::3], drawn[1::3], drawn[2::3], strict=False)
-        feet = tuple((tip[0] + p * ax, tip[1] + p * ay, tip[2] + p * az) for tip, ax, ay, az in off)
-        x, y, z, roll, pitch, yaw = q.body
-        body = x, y, z, roll + a * drawn[-2], pitch + a * drawn[-1], yaw
-        touch = tuple(q.soles), tuple(q.whiskers), tuple(q.slipping), tuple(q.rims)
-        return Sensing(self.tick, body, feet, *touch)
+        if self.noise is None or self.rng is None:
+            return exact
+        return with_noise(exact, self.noise, self.rng)
 
     @property
     def carrying(self) -> tuple[int, ...]:

@@ -12,7 +12,7 @@ from pydantic import TypeAdapter
 from walking_console.planner.robot.model import Machine, load_machine
 from walking_console.planner.types import TICK, Point, Stance
 from walking_console.sim.kinematic.configuration import SOLE_GAP
-from walking_console.sim.kinematic.plant import KinematicPlant, SensorNoise
+from walking_console.sim.kinematic.plant import KinematicPlant
 from walking_console.sim.kinematic.rest_pose import (
     Rest,
     angles,
@@ -26,6 +26,7 @@ from walking_console.sim.kinematic.rest_pose import (
 )
 from walking_console.sim.kinematic.support import slope_at
 from walking_console.sim.kinematic.swing_feet import STEP_UP
+from walking_console.sim.sensor_noise import SensorNoise
 from walking_console.sim.terrain.generators import AnyTerrain
 from walking_console.sim.terrain.ground import Ground, make_ground
 

@@ -1,0 +1,30 @@
+"""What sensors add to the truth: noise drawn anew every tick, from a seeded generator."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from walking_console.planner.types import Sensing
+
+
+@dataclass(frozen=True, slots=True)
+class SensorNoise:
+    """Standard deviations of what the sensors of any plant add."""
+
+    position: float = 0.0  # m, position monitors, per axis
+    posture: float = 0.0  # rad, roll and pitch
+
+
+def with_noise(sensing: Sensing, noise: SensorNoise, rng: np.random.Generator) -> Sensing:
+    """What noisy sensors make of an exact reading; three numbers a leg and two for the body are
+    drawn from ``rng``.
+    """
+    drawn = rng.standard_normal(3 * len(sensing.feet_b) + 2).tolist()
+    p, a = noise.position, noise.posture
+    off = zip(sensing.feet_b, drawn[0::3], drawn[1::3], drawn[2::3], strict=False)
+    feet = tuple((x + p * ax, y + p * ay, z + p * az) for (x, y, z), ax, ay, az in off)
+    x, y, z, roll, pitch, yaw = sensing.body
+    body = x, y, z, roll + a * drawn[-2], pitch + a * drawn[-1], yaw
+    return sensing._replace(body=body, feet_b=feet)
