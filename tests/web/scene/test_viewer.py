@@ -1,0 +1,146 @@
+"""One viewer: its switches change its own view, and a brush in its hand paints where it clicks."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+import viser
+
+from walking_console.web.scene.viewer import (
+    BRUSH,
+    BRUSHES,
+    CAMERA,
+    FARTHEST,
+    HIDDEN_AT_FIRST,
+    LAYERS,
+    LOOK_AT,
+    WIDE_BRUSH,
+    Viewer,
+)
+
+
+class Client:
+    """What a viewer uses of a viser client, on the server's own scene and panels."""
+
+    def __init__(self, server: viser.ViserServer, aspect: float) -> None:
+        self.scene = server.scene
+        self.gui = server.gui
+        self.atomic = server.atomic
+        self.camera = SimpleNamespace(aspect=aspect, position=None, look_at=None, up_direction=None)
+        self.clicks = 0
+        self.scene.on_click = self._on_click  # type: ignore[method-assign]
+        self.scene.remove_click_callback = self._remove  # type: ignore[method-assign]
+
+    def _on_click(self) -> Any:
+        self.clicks += 1
+        return lambda callback: callback
+
+    def _remove(self) -> None:
+        self.clicks -= 1
+
+
+Touch = tuple[str, np.ndarray, np.ndarray, float]
+
+
+@pytest.fixture
+def touches() -> list[Touch]:
+    return []
+
+
+@pytest.fixture
+def viewer(server: viser.ViserServer, touches: list[Touch]) -> Viewer:
+    server.gui.reset()
+    client: Any = Client(server, 1.6)
+    return Viewer(client, lambda *touch: touches.append(touch))
+
+
+def switch(viewer: Viewer, label: str, on: bool) -> None:
+    """Work a switch as the page does: by its label."""
+    for handle in viewer.client.gui._gui_input_handle_from_uuid.values():
+        if handle.label == label:  # type: ignore[attr-defined]
+            event: Any = SimpleNamespace(target=SimpleNamespace(value=on))
+            for callback in handle._impl.update_cb:
+                callback(event)
+            return
+    raise AssertionError(f"no switch {label!r}")
+
+
+def click(viewer: Viewer) -> None:
+    event: Any = SimpleNamespace(ray_origin=(1.0, 2.0, 3.0), ray_direction=(0.0, 0.0, -1.0))
+    viewer._click(event)
+
+
+def test_every_layer_is_shown_at_first_but_for_those_that_hide_the_rest(viewer: Viewer) -> None:
+    assert {label for label, frame in viewer.layers.items() if not frame.visible} == set(
+        HIDDEN_AT_FIRST
+    )
+
+
+@pytest.mark.parametrize("label", LAYERS)
+def test_a_layer_is_switched_off_and_on_by_its_label(viewer: Viewer, label: str) -> None:
+    switch(viewer, label, False)
+    assert viewer.layers[label].name == f"/world/{LAYERS[label]}"
+    assert not viewer.layers[label].visible
+    switch(viewer, label, True)
+    assert viewer.layers[label].visible
+
+
+def test_a_viewer_follows_until_it_is_told_not_to(viewer: Viewer) -> None:
+    assert viewer.follows
+    switch(viewer, "Follow", False)
+    assert not viewer.follows
+
+
+def test_the_world_moves_under_a_camera_that_follows(viewer: Viewer) -> None:
+    viewer.move((-1.0, 0.5, 0.0))
+    assert tuple(viewer.world.position) == (-1.0, 0.5, 0.0)
+
+
+@pytest.mark.parametrize("brush", BRUSHES)
+def test_a_click_paints_with_the_brush_in_hand_where_the_world_is(
+    viewer: Viewer, touches: list[Touch], brush: str
+) -> None:
+    viewer.move((1.0, 1.0, 1.0))
+    switch(viewer, f"Paint {brush}", True)
+    click(viewer)
+    [(used, origin, direction, radius)] = touches
+    assert (used, radius) == (brush, BRUSH)
+    assert origin.tolist() == [0.0, 1.0, 2.0] and direction.tolist() == [0.0, 0.0, -1.0]
+
+
+def test_a_wide_brush_is_wider(viewer: Viewer, touches: list[Touch]) -> None:
+    switch(viewer, "Paint dig", True)
+    switch(viewer, "Wide brush", True)
+    click(viewer)
+    assert touches[0][3] == WIDE_BRUSH
+
+
+def test_without_a_brush_clicks_are_not_asked_for_and_paint_nothing(
+    viewer: Viewer, touches: list[Touch]
+) -> None:
+    client: Any = viewer.client
+    assert client.clicks == 0
+    switch(viewer, "Paint dig", True)
+    switch(viewer, "Paint raise", True)  # one after the other, as the page does
+    switch(viewer, "Paint dig", False)
+    assert client.clicks == 1 and viewer.brush == "raise"
+    switch(viewer, "Paint raise", False)
+    assert client.clicks == 0
+    click(viewer)
+    assert touches == []
+
+
+def test_the_first_look_is_the_same_for_wide_windows_and_farther_off_for_narrow_ones(
+    server: viser.ViserServer,
+) -> None:
+    def distance(aspect: float) -> float:
+        server.gui.reset()
+        client: Any = Client(server, aspect)
+        Viewer(client, lambda *_: None).go_home()
+        return float(np.linalg.norm(client.camera.position - LOOK_AT))
+
+    first = float(np.linalg.norm(CAMERA - LOOK_AT))
+    assert distance(1.6) == pytest.approx(first)
+    assert distance(0.8) == pytest.approx(first * 1.25 / 0.8)
+    assert distance(0.3) == pytest.approx(first * FARTHEST)

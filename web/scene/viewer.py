@@ -1,0 +1,117 @@
+"""One viewer: whether its camera follows the machine, which layers it sees, the brush in its hand.
+
+The page works these switches from its own menu, by their labels.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import viser
+
+from walking_console.planner.types import Point
+
+from .types import Floats
+
+# m, where the camera is and looks at first, from the machine's centre of gravity
+CAMERA = np.array((-2.1, -2.5, 1.15))
+LOOK_AT = np.array((0.15, 0.0, -0.40))
+UP = (0.0, 0.0, 1.0)
+NARROW = 1.25  # aspect below which the camera steps back, so that the legs stay in the picture
+FARTHEST = 2.2  # times the first distance; more: the machine is a speck on a phone
+
+LAYERS = {  # label of the switch: folder under /world
+    "Trails": "trails",
+    "Plan": "plan",
+    "Search": "search",
+    "Stability": "stability",
+    "Path": "path",
+    "Preview": "preview",
+    "Reach": "reach",
+}
+HIDDEN_AT_FIRST = ("Reach",)
+BRUSHES = ("dig", "raise", "lower", "forbid", "clear")
+BRUSH = 0.12  # m, radius
+WIDE_BRUSH = 0.35  # m
+
+Paint = Callable[[str, Floats, Floats, float], None]  # brush, ray origin, ray direction, radius
+
+
+class Viewer:
+    """One client of the scene, with switches and nodes of its own."""
+
+    def __init__(self, client: viser.ClientHandle, paint: Paint) -> None:
+        self.client = client
+        self.paint = paint
+        self.brush = ""
+        self.radius = BRUSH
+        self.follows = True
+        self.world = client.scene.add_frame("/world", show_axes=False)
+        self.layers: dict[str, viser.FrameHandle] = {}
+        if client.camera.aspect < 1.0:
+            self.go_home()  # an upright phone sees less to the sides
+        self._add_switches()
+
+    def _add_switches(self) -> None:
+        gui = self.client.gui
+        gui.add_checkbox("Follow", True).on_update(self._follow)
+        for label in LAYERS:
+            shown = label not in HIDDEN_AT_FIRST
+            gui.add_checkbox(label, shown).on_update(self._layer_switch(label))
+            if not shown:
+                self._show(label, False)
+        for brush in BRUSHES:
+            gui.add_checkbox(f"Paint {brush}", False).on_update(self._brush_switch(brush))
+        gui.add_checkbox("Wide brush", False).on_update(self._widen)
+        gui.add_button("Home").on_click(lambda _: self.go_home())
+
+    def _follow(self, event: Any) -> None:
+        self.follows = bool(event.target.value)
+
+    def _layer_switch(self, label: str) -> Callable[[Any], None]:
+        return lambda event: self._show(label, bool(event.target.value))
+
+    def _show(self, label: str, shown: bool) -> None:
+        if label not in self.layers:
+            self.layers[label] = self.client.scene.add_frame(
+                f"/world/{LAYERS[label]}", show_axes=False, visible=shown
+            )
+        self.layers[label].visible = shown
+
+    def _brush_switch(self, brush: str) -> Callable[[Any], None]:
+        """A brush in hand makes clicks paint; with none the scene is not asked for clicks at all."""
+
+        def take(event: Any) -> None:
+            held = self.brush
+            if event.target.value:
+                self.brush = brush
+            elif held == brush:
+                self.brush = ""
+            if self.brush and not held:
+                self.client.scene.on_click()(self._click)
+            elif held and not self.brush:
+                self.client.scene.remove_click_callback()
+
+        return take
+
+    def _widen(self, event: Any) -> None:
+        self.radius = WIDE_BRUSH if event.target.value else BRUSH
+
+    def _click(self, event: viser.SceneClickEvent) -> None:
+        if self.brush:
+            origin = np.array(event.ray_origin) - self.world.position
+            self.paint(self.brush, origin, np.array(event.ray_direction), self.radius)
+
+    def go_home(self) -> None:
+        """Bring the camera back to its first look, farther off in a narrow window."""
+        away = min(max(1.0, NARROW / self.client.camera.aspect), FARTHEST)
+        with self.client.atomic():
+            self.client.camera.position = LOOK_AT + away * (CAMERA - LOOK_AT)
+            self.client.camera.look_at = LOOK_AT
+            self.client.camera.up_direction = UP
+
+    def move(self, position: Point) -> None:
+        """Move the world under a camera that follows."""
+        self.world.position = position
