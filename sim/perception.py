@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 from walking_console.planner.control.supervisor import GaitSupervisor, feet_absolute
 from walking_console.planner.geometry.transforms import left_fold_sum
-from walking_console.planner.terrain.map import TerrainMap, classify_again
+from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.terrain.mapping import ElevationMapper
+from walking_console.planner.terrain.traversability import classify_again
 from walking_console.planner.types import Command, Sensing
 
 from .range_sensor import RangeSensor
@@ -179,7 +180,7 @@ def _touch(mapper: ElevationMapper, sensing: Sensing) -> None:
     standing = [foot for foot, sole in feet if sole]
     mapper.touch(standing)
     if standing:
-        mapper.suppose(standing)
+        mapper.set_prior(standing)
 
 
 def _at_rest(supervisor: GaitSupervisor, command: Command) -> bool:

@@ -17,7 +17,8 @@ from walking_console.planner.geometry.paths import SampledPath
 from walking_console.planner.initial_stance import HeightAt, Placement, stance_on
 from walking_console.planner.protocols import PlannerError
 from walking_console.planner.robot.model import Machine, load_machine
-from walking_console.planner.terrain.map import TerrainMap, classify
+from walking_console.planner.terrain.map import TerrainMap
+from walking_console.planner.terrain.traversability import classify
 from walking_console.planner.types import Gait, Stance
 
 from .scenario import Scenario, ScenarioError

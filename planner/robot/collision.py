@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from ..geometry.transforms import placed
 from ..terrain.map import TerrainMap
 from ..types import Point
 from .model import Machine
@@ -19,6 +20,7 @@ from .model import Machine
 TALL = 0.35
 # m of the line nearest the foot that is not looked at: the foothold itself is checked elsewhere
 NEAR_FOOT = 0.06
+BEYOND = 0.3  # m beyond the reach of the legs that is looked at for something tall: a stride
 
 
 def something_tall(
@@ -29,8 +31,8 @@ def something_tall(
     """
     if terrain.highest - lowest <= TALL:
         return False
-    reach = (
-        max(math.hypot(max(map(abs, leg.x)), max(map(abs, leg.y))) for leg in machine.legs) + 0.3
+    reach = BEYOND + max(
+        math.hypot(max(map(abs, leg.x)), max(map(abs, leg.y))) for leg in machine.legs
     )
     return terrain.crest_in(x - reach, x + reach, y - reach, y + reach) - lowest > TALL
 
@@ -41,31 +43,44 @@ def leg_in_the_way(
     body: tuple[float, float, float, float],
     feet: Sequence[Point | None],
 ) -> int | None:
-    """The first leg whose line meets ground, with the body at x, y, z, yaw; a leg whose foot is
-    None is not looked at.
+    """The first leg whose line meets ground, with the ``body`` at x, y, z, yaw; None when none does.
+
+    ``feet`` are absolute, one for each leg; a leg whose foot is None is not looked at.
     """
     x, y, z, yaw = body
-    c, s = math.cos(yaw), math.sin(yaw)
-    cell, columns, rows, heights = terrain.cell, terrain.columns, terrain.rows, terrain.height_view
     for leg, foot in enumerate(feet):
-        if foot is None:
-            continue
-        hip_x, hip_y = machine.hips[leg]
-        hx, hy = x + c * hip_x - s * hip_y, y + s * hip_x + c * hip_y
-        length = math.hypot(foot[0] - hx, foot[1] - hy)
-        if length <= NEAR_FOOT:
-            continue
-        samples = math.ceil((length - NEAR_FOOT) / cell)
-        share = (length - NEAR_FOOT) / length / samples
-        gx, gy, gz = (hx - terrain.origin[0]) / cell, (hy - terrain.origin[1]) / cell, z
-        dx, dy, dz = (
-            share * (foot[0] - hx) / cell,
-            share * (foot[1] - hy) / cell,
-            share * (foot[2] - z),
-        )
-        for _ in range(samples + 1):
-            column, row = int(gx), int(gy)
-            if 0 <= column < columns and 0 <= row < rows and heights[row * columns + column] > gz:
+        if foot is not None:
+            hip_x, hip_y = placed((x, y, yaw), *machine.hips[leg])
+            if _meets_ground(terrain, (hip_x, hip_y, z), foot):
                 return leg
-            gx, gy, gz = gx + dx, gy + dy, gz + dz
     return None
+
+
+def _meets_ground(terrain: TerrainMap, hip: Point, foot: Point) -> bool:
+    """True when the straight line from hip to foot is below the ground somewhere, but for its last
+    centimetres.
+    """
+    length = math.hypot(foot[0] - hip[0], foot[1] - hip[1])
+    if length <= NEAR_FOOT:
+        return False
+    cell = terrain.cell
+    columns = terrain.columns
+    rows = terrain.rows
+    heights = terrain.height_view
+    samples = math.ceil((length - NEAR_FOOT) / cell)
+    share = (length - NEAR_FOOT) / length / samples
+    gx = (hip[0] - terrain.origin[0]) / cell
+    gy = (hip[1] - terrain.origin[1]) / cell
+    gz = hip[2]
+    dx = share * (foot[0] - hip[0]) / cell
+    dy = share * (foot[1] - hip[1]) / cell
+    dz = share * (foot[2] - hip[2])
+    for _ in range(samples + 1):
+        column = int(gx)
+        row = int(gy)
+        if 0 <= column < columns and 0 <= row < rows and heights[row * columns + column] > gz:
+            return True
+        gx += dx
+        gy += dy
+        gz += dz
+    return False

@@ -14,9 +14,12 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.transforms import left_fold_sum
 from ..robot.model import Machine
 from ..types import Point
-from .map import RISE_WINDOW, Kind, TerrainMap, Window, grown, kinds, within
+from .grid import Window, grown, within
+from .map import TerrainMap
+from .traversability import RISE_WINDOW, Kind, kinds, sole_cells
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -24,8 +27,8 @@ Cells = Iterable[tuple[int, int]]
 
 LOOKS_MAX = 16  # looks averaged; more and a map hardly follows ground that changes
 JUMP = 0.05  # m; a look this far off the mean is no noise: the newest is believed
-NEWS = 0.004  # m; heights that moved less are not worth a new map (and a new plan)
-LEVEL_NEWS = 0.01  # m; the same for the supposed level of unknown ground
+REPLAN_THRESHOLD = 0.004  # m; heights that moved less are not worth a new map (and a new plan)
+LEVEL_REPLAN_THRESHOLD = 0.01  # m; the same for the supposed level of unknown ground
 AROUND = 1.5  # m about the feet in which unknown ground is supposed anew
 TREATMENTS = ("flat", "forbidden")
 
@@ -63,7 +66,7 @@ class ElevationMapper:
         self._changed: list[int] = []  # first row, last row, first column, last column
         self._feet: tuple[Point, ...] = ()  # where unknown ground has more than one supposed level
         # the one level unknown ground was last given; NaN while there are several
-        self._told = level
+        self._level_given = level
         refused = np.full(shape, unknown == "forbidden")
         self.map = TerrainMap(
             np.full(shape, level), refused, cell, origin, machine.foot_radius, self.known.copy()
@@ -79,11 +82,9 @@ class ElevationMapper:
         """
         if rows.size == 0:
             return
-        known, old, looks = (
-            self.known[rows, columns],
-            self.heights[rows, columns],
-            self._looks[rows, columns],
-        )
+        known = self.known[rows, columns]
+        old = self.heights[rows, columns]
+        looks = self._looks[rows, columns]
         side = np.zeros(rows.shape, dtype=bool) if sides is None else sides
         agrees = known & (looks > 0) & (np.abs(heights - old) <= JUMP)
         mean = np.where(agrees, old + (heights - old) / (looks + 1.0), heights)
@@ -97,7 +98,7 @@ class ElevationMapper:
 
     def touch(self, points: Iterable[Point]) -> None:
         """Feet stand here: the cells under the soles have this height, for certain."""
-        reach = 0 if self.final else math.floor(self.machine.foot_radius / self.map.cell + 1e-9)
+        reach = 0 if self.final else sole_cells(self.machine, self.map.cell)
         for x, y, z in points:
             at = self.map.cell_at(x, y)
             if at is None:
@@ -108,10 +109,12 @@ class ElevationMapper:
             here = (
                 (rows >= 0) & (rows < self.map.rows) & (columns >= 0) & (columns < self.map.columns)
             )
-            rows, columns = rows[here], columns[here]
+            rows = rows[here]
+            columns = columns[here]
             # the rim of the sole adds, never overrides
             wanted = (rows == at[0]) & (columns == at[1]) | ~self.known[rows, columns]
-            rows, columns = rows[wanted], columns[wanted]
+            rows = rows[wanted]
+            columns = columns[wanted]
             self._write(
                 rows,
                 columns,
@@ -127,34 +130,27 @@ class ElevationMapper:
         """Take back what was learnt, when the operator says so."""
         self._mark(cells, False)
 
-    def suppose(self, feet: Sequence[Point]) -> None:
+    def set_prior(self, feet: Sequence[Point]) -> None:
         """Unknown ground is as high as the nearest foot stands (TITAN III took the height of P_u, H
         §10.3).
         """
         heights = [foot[2] for foot in feet]
-        level, uneven = sum(heights) / len(heights), max(heights) - min(heights) > LEVEL_NEWS
-        if not uneven and abs(level - self._told) <= LEVEL_NEWS:
+        level = left_fold_sum(heights) / len(heights)
+        uneven = max(heights) - min(heights) > LEVEL_REPLAN_THRESHOLD
+        if not uneven and abs(level - self._level_given) <= LEVEL_REPLAN_THRESHOLD:
             self._feet = ()
             return
-        self.level, self._told, self._feet = (
-            level,
-            math.nan if uneven else level,
-            tuple(feet) if uneven else (),
-        )
+        self.level = level
+        self._level_given = math.nan if uneven else level
+        self._feet = tuple(feet) if uneven else ()
         if self.known.all():
             return
-        cell, (ox, oy) = self.map.cell, self.map.origin
-        r0, r1 = (
-            math.floor((y - oy) / cell)
-            for y in (min(f[1] for f in feet) - AROUND, max(f[1] for f in feet) + AROUND)
+        xs = [foot[0] for foot in feet]
+        ys = [foot[1] for foot in feet]
+        rows, columns = self.map.window(
+            min(xs) - AROUND, max(xs) + AROUND, min(ys) - AROUND, max(ys) + AROUND
         )
-        c0, c1 = (
-            math.floor((x - ox) / cell)
-            for x in (min(f[0] for f in feet) - AROUND, max(f[0] for f in feet) + AROUND)
-        )
-        self._note(
-            max(r0, 0), min(r1, self.map.rows - 1), max(c0, 0), min(c1, self.map.columns - 1)
-        )
+        self._note(rows.start, rows.stop - 1, columns.start, columns.stop - 1)
 
     def observe(
         self, rows: Index, columns: Index, heights: Array, sides: NDArray[np.bool_] | None = None
@@ -183,18 +179,21 @@ class ElevationMapper:
         forbidden = (found != Kind.O) | self.learnt[inner]
         if self.unknown == "forbidden":
             forbidden |= ~known
-        self.map = self.map.patched(inner, self._supposed(inner, outer), forbidden, known)
+        self.map = self.map.patched(inner, self._filled(inner, outer), forbidden, known)
         return self.map
 
-    def _supposed(self, inner: Window, outer: Window) -> Array:
+    def _filled(self, inner: Window, outer: Window) -> Array:
         """Heights with the gaps filled: by the known ground around, else by the level of the feet."""
-        heights, known = self.heights[outer], self.known[outer]
+        heights = self.heights[outer]
+        known = self.known[outer]
         if known.all():
             return self.heights[inner]
         solid = known & ~np.isnan(heights)
-        total, count = np.where(solid, heights, 0.0), solid.astype(np.float64)
+        total = np.where(solid, heights, 0.0)
+        count = solid.astype(np.float64)
         for axis in (0, 1):
-            total, count = _sum_of_five(total, axis), _sum_of_five(count, axis)
+            total = _sum_of_five(total, axis)
+            count = _sum_of_five(count, axis)
         guess = np.where(count > 0.0, total / np.maximum(count, 1.0), self._level_in(outer))
         return np.asarray(np.where(known, heights, guess)[within(inner, outer)])
 
@@ -213,22 +212,23 @@ class ElevationMapper:
     # bookkeeping
 
     def _write(self, rows: Index, columns: Index, heights: Array, looks: NDArray[np.uint8]) -> None:
-        before, was_known = self.map.heights[rows, columns], self.known[rows, columns]
-        same = (np.abs(heights - before) <= NEWS) | (np.isnan(heights) & np.isnan(before))
+        before = self.map.heights[rows, columns]
+        was_known = self.known[rows, columns]
+        same = (np.abs(heights - before) <= REPLAN_THRESHOLD) | (
+            np.isnan(heights) & np.isnan(before)
+        )
         self.heights[rows, columns] = heights
         self.known[rows, columns] = True
         self._looks[rows, columns] = looks
         news = ~(was_known & same)
         if news.any():
-            rows, columns = rows[news], columns[news]
+            rows = rows[news]
+            columns = columns[news]
             self._note(int(rows.min()), int(rows.max()), int(columns.min()), int(columns.max()))
 
     def _mark(self, cells: Cells, learnt: bool) -> None:
         for row, column in cells:
-            if not (0 <= row < self.map.rows and 0 <= column < self.map.columns):
-                raise ValueError(
-                    f"cell ({row}, {column}) is outside the map of {self.map.rows} x {self.map.columns} cells"
-                )
+            self.map.need_cell(row, column)
             if self.learnt[row, column] != learnt:
                 self.learnt[row, column] = learnt
                 self._note(row, row, column, column)

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from walking_console.planner.robot.model import Machine
+from walking_console.planner.terrain.grid import HeightGrid
 
 from .files import read_elevation, read_heights
 from .generators import Box, Dem, FileTerrain, Flat, Generated, GroundError, Obstacle, Site, Terrain
@@ -35,7 +36,7 @@ HEIGHT_MAX = 100.0  # m above or below the origin; a course that climbs more is 
 
 
 @dataclass(frozen=True, eq=False)
-class Ground:
+class Ground(HeightGrid):
     """``heights`` (ny, nx) m, write-protected; ``cell`` m; ``origin`` x, y m.
 
     ``final``: the forbidden cells are exactly the holes, whatever the foot's radius (``holes`` and
@@ -57,60 +58,12 @@ class Ground:
         object.__setattr__(self, "heights", array)
 
     @cached_property
-    def rows(self) -> int:
-        return int(self.heights.shape[0])
-
-    @cached_property
-    def columns(self) -> int:
-        return int(self.heights.shape[1])
-
-    @cached_property
-    def height_view(self) -> memoryview:
-        """Heights row by row as plain floats: a numpy scalar costs three times as much in the tick."""
-        return self.heights.ravel().data
-
-    @cached_property
-    def bounds(self) -> Box:
-        """x_min, x_max, y_min, y_max of the map."""
-        x, y = self.origin
-        return x, x + self.columns * self.cell, y, y + self.rows * self.cell
-
-    @cached_property
     def level(self) -> float | None:
         """The one height all ground has, None when there are several or holes: level ground needs
         no lookups.
         """
         low, high = float(self.heights.min()), float(self.heights.max())
         return low if low == high else None
-
-    def index(self, x: float, y: float) -> int:
-        """Flat index of the cell under (x, y), −1 outside the map."""
-        column, row = (
-            math.floor((x - self.origin[0]) / self.cell),
-            math.floor((y - self.origin[1]) / self.cell),
-        )
-        if 0 <= column < self.columns and 0 <= row < self.rows:
-            return row * self.columns + column
-        return -1
-
-    def height_at(self, x: float, y: float) -> float:
-        """Height of the cell that contains the point, m; NaN over a hole and outside the map."""
-        column, row = (
-            math.floor((x - self.origin[0]) / self.cell),
-            math.floor((y - self.origin[1]) / self.cell),
-        )
-        if 0 <= column < self.columns and 0 <= row < self.rows:
-            return self.height_view[row * self.columns + column]
-        return math.nan
-
-    def cell_at(self, x: float, y: float) -> tuple[int, int] | None:
-        """(row, column) of the cell under (x, y), None outside the map."""
-        flat = self.index(x, y)
-        return None if flat < 0 else divmod(flat, self.columns)
-
-    def centre(self, row: int, column: int) -> tuple[float, float]:
-        """x, y of a cell's centre."""
-        return self.origin[0] + (column + 0.5) * self.cell, self.origin[1] + (row + 0.5) * self.cell
 
     def edited(self, cells: Iterable[tuple[int, int, float]]) -> Ground:
         """New ground in which each (row, column) has the given height; NaN digs a hole without a

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from walking_console.planner.stability import MARGIN_SLACK
-from walking_console.planner.terrain.map import classify
+from walking_console.planner.terrain.traversability import classify
 from walking_console.planner.types import Command, Mode
 from walking_console.sim.requests import Edit, Load, Push, Reset
 from walking_console.sim.scenario import load_scenario

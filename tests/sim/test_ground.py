@@ -17,7 +17,8 @@ from PIL import Image
 from pydantic import TypeAdapter, ValidationError
 
 from walking_console.planner.robot.model import load_machine
-from walking_console.planner.terrain.map import TerrainMap, classify
+from walking_console.planner.terrain.map import TerrainMap
+from walking_console.planner.terrain.traversability import classify
 from walking_console.sim.terrain.generators import (
     KINDS,
     AnyTerrain,

@@ -20,7 +20,8 @@ from walking_console.planner.protocols import run_to_completion
 from walking_console.planner.registry import initial_stance
 from walking_console.planner.robot.model import Machine, load_machine
 from walking_console.planner.stability import polygon_margin, support_polygon
-from walking_console.planner.terrain.map import TerrainMap, classify
+from walking_console.planner.terrain.map import TerrainMap
+from walking_console.planner.terrain.traversability import classify
 from walking_console.planner.types import Blocked, Gait, Stance
 
 MACHINES = {"titan3": "crab", "hexapod": "trace", "phantomx": "trace"}

@@ -13,7 +13,8 @@ from dataclasses import replace
 import numpy as np
 
 from walking_console.planner.control.supervisor import DT
-from walking_console.planner.terrain.map import TerrainMap, classify
+from walking_console.planner.terrain.map import TerrainMap
+from walking_console.planner.terrain.traversability import classify
 from walking_console.planner.types import Command, Mode
 from walking_console.sim.scenario import scenario_from
 from walking_console.sim.simulation import Simulation

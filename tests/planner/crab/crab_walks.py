@@ -14,7 +14,8 @@ from walking_console.planner.stability import (
     polygon_margin,
     support_polygon,
 )
-from walking_console.planner.terrain.map import TerrainMap, classify
+from walking_console.planner.terrain.map import TerrainMap
+from walking_console.planner.terrain.traversability import classify
 from walking_console.planner.types import Blocked, Command, Gait, Phase, Stance
 
 TITAN = load_machine("titan3")

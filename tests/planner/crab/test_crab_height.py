@@ -17,7 +17,8 @@ from walking_console.planner.motion.body_height import (
     torso_needs,
     torso_needs_exactly,
 )
-from walking_console.planner.terrain.map import TerrainMap, classify
+from walking_console.planner.terrain.map import TerrainMap
+from walking_console.planner.terrain.traversability import classify
 
 
 def printed_20(left, right, at):

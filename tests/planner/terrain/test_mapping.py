@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from walking_console.planner.robot.model import load_machine
-from walking_console.planner.terrain.map import Kind, TerrainMap, classify, kinds
+from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.terrain.mapping import ElevationMapper
+from walking_console.planner.terrain.traversability import classify
 
 MACHINE = load_machine("titan3")
 CELL = 0.025
@@ -31,43 +32,6 @@ def hills(seed, shape=(80, 120)):
     heights[5:11, 70:76] = np.nan  # a hole
     heights[60:64, 20:24] += 0.8  # a pole
     return heights
-
-
-# kinds
-
-
-@pytest.mark.parametrize("seed", range(8))
-def test_where_all_is_known_kinds_are_what_classify_refuses(seed):
-    heights = hills(seed)
-    found = kinds(heights, np.ones(heights.shape, dtype=bool), CELL, MACHINE)
-    assert np.array_equal(found != Kind.O, classify(heights, CELL, MACHINE))
-
-
-def test_a_hole_is_h_a_pole_is_p_and_its_rim_both():
-    heights = np.zeros((80, 120))
-    heights[30, 30] = np.nan
-    heights[50:62, 50:62] = 0.9
-    found = kinds(heights, np.ones(heights.shape, dtype=bool), CELL, MACHINE)
-    assert (found[30, 30], found[55, 55], found[50, 55], found[10, 10]) == (
-        Kind.H,
-        Kind.P,
-        Kind.HP,
-        Kind.O,
-    )
-
-
-def test_on_final_ground_only_the_cell_under_the_tip_counts():
-    heights = np.zeros((40, 40))
-    heights[20, 20] = np.nan
-    found = kinds(heights, np.ones(heights.shape, dtype=bool), CELL, MACHINE, final=True)
-    assert found[20, 20] == Kind.H and found.sum() == 1
-
-
-def test_what_is_not_known_hides_nothing_and_refuses_nothing():
-    heights = np.full((40, 40), np.nan)
-    known = np.zeros(heights.shape, dtype=bool)
-    known[:, :20], heights[:, :20] = True, 0.0
-    assert not kinds(heights, known, CELL, MACHINE).any()
 
 
 # what is seen
@@ -183,17 +147,17 @@ def test_what_has_been_learnt_stays_learnt_whatever_the_eye_says():
 def test_unknown_ground_is_as_high_as_the_nearest_foot():
     belief = blank()
     feet = [(0.4, 0.4, 0.15), (-0.4, 0.4, 0.0), (-0.4, -0.4, 0.0), (0.4, -0.4, 0.0)]
-    belief.suppose(feet)
+    belief.set_prior(feet)
     ground = belief.publish()
     assert ground.height_at(0.6, 0.5) == 0.15 and ground.height_at(0.6, -0.5) == 0.0
-    belief.suppose([(x, y, 0.15) for x, y, _ in feet])
+    belief.set_prior([(x, y, 0.15) for x, y, _ in feet])
     assert belief.publish().height_at(0.6, -0.5) == pytest.approx(0.15)
 
 
 def test_level_feet_on_supposed_level_are_no_news():
     belief = blank()
     before = belief.publish()
-    belief.suppose([(0.4, 0.4, 0.001), (-0.4, 0.4, 0.0), (-0.4, -0.4, 0.0), (0.4, -0.4, -0.001)])
+    belief.set_prior([(0.4, 0.4, 0.001), (-0.4, 0.4, 0.0), (-0.4, -0.4, 0.0), (0.4, -0.4, -0.001)])
     assert belief.publish() is before
 
 

@@ -1,0 +1,136 @@
+"""Square grids of heights: which cell a point is in, and rectangles of cells.
+
+Row index is y, column index is x; ``origin`` is the corner of cell [0, 0]; the ground is the height
+of the cell that contains the point. NaN is a hole without a bottom. What the walker believes
+(``TerrainMap``) and what is there (the ground of the simulation) are such grids.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Window = tuple[slice, slice]  # rows and columns of a rectangle of cells
+
+
+def grown(window: Window, by: int, shape: tuple[int, ...]) -> Window:
+    """The rectangle with ``by`` more cells on every side, as far as the map goes."""
+    rows, columns = (
+        slice(max(0, side.start - by), min(size, side.stop + by))
+        for side, size in zip(window, shape, strict=True)
+    )
+    return rows, columns
+
+
+def within(inner: Window, outer: Window) -> Window:
+    """Where a rectangle of the map lies in an array cut out by a larger one."""
+    rows, columns = (
+        slice(a.start - b.start, a.stop - b.start) for a, b in zip(inner, outer, strict=True)
+    )
+    return rows, columns
+
+
+class HeightGrid:
+    """Heights on square cells: ``heights`` (ny, nx) m, ``cell`` m, ``origin`` x, y m.
+
+    Whoever inherits gives the three as attributes and never changes them. Scalar look-ups for
+    planning loops and ticks: numpy scalars cost three times as much.
+    """
+
+    heights: NDArray[np.float64]
+    cell: float
+    origin: tuple[float, float]
+
+    @cached_property
+    def rows(self) -> int:
+        """Cells along y."""
+        return int(self.heights.shape[0])
+
+    @cached_property
+    def columns(self) -> int:
+        """Cells along x."""
+        return int(self.heights.shape[1])
+
+    @cached_property
+    def height_view(self) -> memoryview:
+        """Heights row by row as plain floats, m."""
+        return self.heights.astype(np.float64, copy=False).ravel().data
+
+    @cached_property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """x_min, x_max, y_min, y_max of the grid, m."""
+        x, y = self.origin
+        return x, x + self.columns * self.cell, y, y + self.rows * self.cell
+
+    def index(self, x: float, y: float) -> int:
+        """Flat index of the cell under (x, y), −1 outside the grid."""
+        column = math.floor((x - self.origin[0]) / self.cell)
+        row = math.floor((y - self.origin[1]) / self.cell)
+        if 0 <= column < self.columns and 0 <= row < self.rows:
+            return row * self.columns + column
+        return -1
+
+    def height_at(self, x: float, y: float) -> float:
+        """Height of the cell that contains the point, m; NaN over a hole and outside the grid."""
+        column = math.floor((x - self.origin[0]) / self.cell)
+        row = math.floor((y - self.origin[1]) / self.cell)
+        if 0 <= column < self.columns and 0 <= row < self.rows:
+            return self.height_view[row * self.columns + column]
+        return math.nan
+
+    def cell_at(self, x: float, y: float) -> tuple[int, int] | None:
+        """(row, column) of the cell under (x, y), None outside the grid."""
+        flat = self.index(x, y)
+        return None if flat < 0 else divmod(flat, self.columns)
+
+    def centre(self, row: int, column: int) -> tuple[float, float]:
+        """x, y of a cell's centre, m."""
+        return self.origin[0] + (column + 0.5) * self.cell, self.origin[1] + (row + 0.5) * self.cell
+
+    def has_cell(self, row: int, column: int) -> bool:
+        """True when the grid has such a cell."""
+        return 0 <= row < self.rows and 0 <= column < self.columns
+
+    def need_cell(self, row: int, column: int) -> None:
+        """Raises ``ValueError`` for a cell that the grid does not have."""
+        if not self.has_cell(row, column):
+            raise ValueError(
+                f"cell ({row}, {column}) is outside the map of {self.rows} x {self.columns} cells"
+            )
+
+    def window(self, x_min: float, x_max: float, y_min: float, y_max: float) -> Window:
+        """The cells that an axis-aligned rectangle touches, as far as the grid goes; may be empty."""
+        rows = _span(y_min, y_max, self.origin[1], self.cell, self.rows)
+        return rows, _span(x_min, x_max, self.origin[0], self.cell, self.columns)
+
+
+def _span(low: float, high: float, origin: float, cell: float, count: int) -> slice:
+    first = math.floor((low - origin) / cell)
+    last = math.floor((high - origin) / cell)
+    return slice(min(max(first, 0), count), min(max(last + 1, 0), count))
+
+
+def solid_heights(heights: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Heights with −inf over holes, so that a maximum passes them over."""
+    return np.where(np.isnan(heights), -np.inf, heights)
+
+
+def spread_max(values: NDArray[np.float64], reach: int) -> NDArray[np.float64]:
+    """Largest value within ``reach`` cells in rows and columns."""
+    out = values.copy()
+    for axis in (0, 1):
+        source = out.copy()
+        for shift in range(1, reach + 1):
+            ahead: Any = [slice(None), slice(None)]
+            ahead[axis] = slice(shift, None)
+            behind: Any = [slice(None), slice(None)]
+            behind[axis] = slice(None, -shift)
+            ahead = tuple(ahead)
+            behind = tuple(behind)
+            np.maximum(out[behind], source[ahead], out=out[behind])
+            np.maximum(out[ahead], source[behind], out=out[ahead])
+    return out

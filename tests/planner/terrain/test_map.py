@@ -1,0 +1,97 @@
+"""What the walker believes about the ground."""
+
+import math
+
+import numpy as np
+import pytest
+
+from walking_console.planner.robot.model import load_machine
+from walking_console.planner.terrain.map import TerrainMap
+from walking_console.planner.terrain.traversability import classify
+
+MACHINE = load_machine("titan3")
+
+
+def level(rows=40, columns=60, cell=0.05, origin=(-1.0, -0.5)):
+    return TerrainMap(
+        np.zeros((rows, columns)), np.zeros((rows, columns), dtype=bool), cell, origin
+    )
+
+
+def test_outside_the_map_everything_is_forbidden_and_has_no_height():
+    ground = level()
+    assert not ground.allows(-1.001, 0.0)
+    assert math.isnan(ground.height_at(50.0, 0.0))
+
+
+def test_forbidding_makes_a_new_map_and_leaves_the_old_one():
+    ground = level()
+    other = ground.forbid([(3, 4)])
+    x, y = ground.centre(3, 4)
+    assert ground.allows(x, y) and not other.allows(x, y)
+    assert other.forbidden.sum() == 1
+
+
+def test_a_map_cannot_be_written_to():
+    with pytest.raises(ValueError, match="read-only"):
+        level().heights[0, 0] = 1.0
+
+
+def test_the_way_over_a_wall_has_the_height_of_the_wall():
+    heights = np.zeros((40, 60))
+    heights[:, 30] = 0.2
+    ground = TerrainMap(heights, heights > 1.0, 0.05, (-1.0, -0.5))
+    assert ground.crest_between(0.0, 0.0, 1.0, 0.1) == pytest.approx(0.2)
+    assert ground.crest_between(0.0, 0.0, 0.3, 0.1) == pytest.approx(0.0)
+    assert ground.crest_in(0.0, 1.0, -0.1, 0.1) == pytest.approx(0.2)
+
+
+def test_heights_and_forbidden_cells_must_have_one_shape():
+    with pytest.raises(ValueError, match=r"one \(ny, nx\) shape"):
+        TerrainMap(np.zeros((3, 4)), np.zeros((4, 3), dtype=bool), 0.05, (0.0, 0.0))
+
+
+def test_a_patched_map_has_the_crests_of_one_made_anew():
+    rng = np.random.default_rng(2)
+    ground = level()
+    assert ground.crest_between(0.0, 0.0, 1.0, 0.1) == 0.0  # crests are worked out
+    window = slice(10, 20), slice(25, 40)
+    heights = rng.uniform(0.0, 0.3, (10, 15))
+    heights[3, 4] = np.nan
+    known = np.ones((10, 15), dtype=bool)
+    patched = ground.patched(window, heights, np.isnan(heights), known)
+    anew = TerrainMap(patched.heights, patched.forbidden, 0.05, (-1.0, -0.5))
+    assert list(patched.crest_view) == list(anew.crest_view)
+    assert patched.forbidden.sum() == 1
+
+
+def test_a_map_of_measured_heights_closes_what_this_machine_cannot_step_on():
+    heights = np.zeros((40, 60))
+    heights[10:20, 10:20] = np.nan
+    heights[30:, 40:] = 1.0
+    terrain = TerrainMap.from_heights(heights.tolist(), 0.05, MACHINE, origin=(-1.0, 2.0))
+    assert np.array_equal(terrain.forbidden, classify(heights, 0.05, MACHINE))
+    assert terrain.origin == (-1.0, 2.0) and terrain.foot_radius == MACHINE.foot_radius
+    heights[0, 0] = 5.0
+    assert terrain.heights[0, 0] == 0.0
+
+
+def test_a_map_may_bring_its_own_forbidden_cells():
+    closed = np.zeros((4, 4), dtype=bool)
+    closed[1, 2] = True
+    terrain = TerrainMap.from_heights(np.zeros((4, 4)), 0.1, MACHINE, forbidden=closed)
+    assert terrain.forbidden.sum() == 1 and not terrain.allows(0.25, 0.15)
+
+
+@pytest.mark.parametrize(
+    ("heights", "cell", "said"),
+    [
+        (np.zeros(4), 0.1, r"must be \(ny, nx\)"),
+        (np.full((2, 2), np.inf), 0.1, "finite or NaN"),
+        (np.zeros((2, 2)), 0.0, "side of a cell"),
+        (np.zeros((2, 2)), float("nan"), "side of a cell"),
+    ],
+)
+def test_what_is_no_map_is_refused(heights, cell, said):
+    with pytest.raises(ValueError, match=said):
+        TerrainMap.from_heights(heights, cell, MACHINE)
