@@ -3,56 +3,103 @@
 from __future__ import annotations
 
 import json
-import os
-import shutil
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console as Terminal
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-from rich.table import Table
+from typer.core import TyperGroup
 
 from walking_console.planner.robot.model import MachineError, load_machine, machine_names
 from walking_console.sim.scenario import ScenarioError, list_scenarios, load_scenario
 from walking_console.sim.terrain.generators import list_terrains
 from walking_console.sim.terrain.ground import GroundError
 
+from .terminal_output import print_list, print_summary, progress_shown, terminal
+
 BAD_INPUT = 2
 LINE_MAX = 2000  # characters of one clear line
+DEFAULT_COMMAND = "serve"
+ENVIRONMENT = "WALKING_CONSOLE_"
+
+
+class ServeByDefault(TyperGroup):
+    """Without a command the words are options of ``serve``, and the help lists them too."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        own = {name for parameter in self.get_params(ctx) for name in parameter.opts}
+        if not args or (args[0].startswith("-") and args[0] not in own):
+            args = [DEFAULT_COMMAND, *args]
+        return super().parse_args(ctx, args)
+
+    def format_options(self, ctx: Any, formatter: Any) -> None:
+        super().format_options(ctx, formatter)
+        serve = self.commands[DEFAULT_COMMAND]
+        records = [
+            record
+            for parameter in serve.params
+            if (record := parameter.get_help_record(ctx)) is not None
+        ]
+        with formatter.section(f"Options of {DEFAULT_COMMAND}, and without a command"):
+            formatter.write_dl(records)
+
 
 app = typer.Typer(
     name="walking-console",
-    help="Statically stable walking: drive it in the browser, script it over REST, run it headless.",
+    help="Statically stable walking: drive it in the browser, script it over REST, run it "
+    "headless. Without a command: serve.",
+    cls=ServeByDefault,
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-terminal = Terminal(highlight=False)
 
-Host = Annotated[str, typer.Option(help="Address to listen on.")]
-Port = Annotated[
-    int, typer.Option(min=0, max=65535, help="Port; 0 picks a free one and prints it.")
-]
-Robot = Annotated[str | None, typer.Option(help="A robot's name or a robot TOML file.")]
-Scenario = Annotated[str, typer.Option(help="A scenario's name or a scenario TOML file.")]
-NoOpen = Annotated[bool, typer.Option("--no-open", help="Do not open the page in a browser.")]
-Token = Annotated[
-    str | None,
-    typer.Option(help="Secret every client must present; required when not on loopback."),
-]
-Data = Annotated[Path, typer.Option(help="Where runs are kept.")]
-SitAfter = Annotated[
-    float,
+
+class LogLevel(StrEnum):
+    """How much is said on standard error."""
+
+    DEBUG = "debug"
+    INFO = "info"
+    WARNING = "warning"
+    ERROR = "error"
+
+
+HostOption = Annotated[str, typer.Option(help="Address to listen on.", envvar=f"{ENVIRONMENT}HOST")]
+PortOption = Annotated[
+    int,
     typer.Option(
-        min=0.0, help="Seconds of silence from a pressed stick after which it sits down; 0: never."
+        min=0,
+        max=65535,
+        help="Port; 0 picks a free one and prints it.",
+        envvar=f"{ENVIRONMENT}PORT",
     ),
 ]
-Directory = Annotated[Path, typer.Argument(help="A run directory.")]
-SERVED_FIRST = "dem"
+RobotOption = Annotated[str | None, typer.Option(help="A robot's name or a robot TOML file.")]
+ScenarioOption = Annotated[str, typer.Option(help="A scenario's name or a scenario TOML file.")]
+NoOpenOption = Annotated[bool, typer.Option("--no-open", help="Do not open the page in a browser.")]
+TokenOption = Annotated[
+    str | None,
+    typer.Option(
+        help="Secret every client must present; required when not on loopback.",
+        envvar=f"{ENVIRONMENT}TOKEN",
+    ),
+]
+DataOption = Annotated[Path, typer.Option(help="Where runs are kept.", envvar=f"{ENVIRONMENT}DATA")]
+SitAfterOption = Annotated[
+    float,
+    typer.Option(
+        min=0.0,
+        help="Seconds of silence from a pressed stick after which it sits down; 0: never.",
+    ),
+]
+LogLevelOption = Annotated[
+    LogLevel,
+    typer.Option(help="How much to say on standard error.", envvar=f"{ENVIRONMENT}LOG_LEVEL"),
+]
+DirectoryArgument = Annotated[Path, typer.Argument(help="A run directory.")]
 
 
 @contextmanager
@@ -61,9 +108,18 @@ def one_clear_line() -> Iterator[None]:
     from walking_console.sim.runs.runner import RunError
     from walking_console.web.figures.run_data import FigureError
 
+    from .listening import ServeError
+
     try:
         yield
-    except (ScenarioError, MachineError, GroundError, RunError, FigureError) as error:
+    except (
+        ScenarioError,
+        MachineError,
+        GroundError,
+        RunError,
+        FigureError,
+        ServeError,
+    ) as error:
         refuse(str(error))
 
 
@@ -73,58 +129,65 @@ def refuse(message: str) -> None:
     raise typer.Exit(BAD_INPUT)
 
 
-@app.callback(invoke_without_command=True)
-def main_command(
-    context: typer.Context,
-    host: Host = "127.0.0.1",
-    port: Port = 8000,
-    robot: Robot = None,
-    scenario: Scenario = SERVED_FIRST,
-    no_open: NoOpen = False,
-    token: Token = None,
-    data: Data = Path("walking-console-data"),
-    sit_after: SitAfter = 10.0,
+def print_version(wanted: bool) -> None:
+    """Print the version and leave."""
+    if wanted:
+        from walking_console.sim.runs.runner import product_version
+
+        print(f"walking-console {product_version()}")
+        raise typer.Exit
+
+
+@app.callback()
+def walking_console(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=print_version, is_eager=True, help="Print the version."),
+    ] = False,
 ) -> None:
-    """Start the console (the same as ``serve``), or run one of the commands below."""
-    if context.invoked_subcommand is None:
-        serve(host, port, robot, scenario, no_open, token, data, sit_after)
+    """What every command has."""
 
 
 @app.command()
 def serve(
-    host: Host = "127.0.0.1",
-    port: Port = 8000,
-    robot: Robot = None,
-    scenario: Scenario = SERVED_FIRST,
-    no_open: NoOpen = False,
-    token: Token = None,
-    data: Data = Path("walking-console-data"),
-    sit_after: SitAfter = 10.0,
+    host: HostOption = "127.0.0.1",
+    port: PortOption = 8000,
+    robot: RobotOption = None,
+    scenario: ScenarioOption = "dem",
+    no_open: NoOpenOption = False,
+    token: TokenOption = None,
+    data: DataOption = Path("walking-console-data"),
+    sit_after: SitAfterOption = 10.0,
+    log_level: LogLevelOption = LogLevel.WARNING,
 ) -> None:
     """Start the console and print its one URL."""
-    from .launch import ServeError
+    from .launch import ServeOptions
     from .launch import serve as serve_console
 
+    options = ServeOptions(
+        host=host,
+        port=port,
+        robot=robot,
+        scenario=scenario,
+        open_page=not no_open,
+        token=token,
+        data=data,
+        sit_after=sit_after,
+        log_level=log_level,
+    )
     with one_clear_line():
-        try:
-            serve_console(
-                host=host,
-                port=port,
-                robot=robot,
-                scenario=scenario,
-                open_page=not no_open,
-                token=token,
-                data=data,
-                sit_after=sit_after,
-            )
-        except ServeError as error:
-            refuse(str(error))
+        serve_console(options)
 
 
 @app.command()
 def run(
     scenario: Annotated[str, typer.Argument(help="A scenario's name or a TOML file.")],
-    out: Annotated[Path, typer.Option(help="Run directory to write: new or empty.")],
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            help="Run directory to write, new or empty; by default the next free runs/NAME-0001."
+        ),
+    ] = None,
     settings: Annotated[
         list[str] | None,
         typer.Option("--set", metavar="KEY=VALUE", help="Replace a value; repeatable."),
@@ -141,9 +204,11 @@ def run(
     """Run a scenario headless, faster than life."""
     from walking_console.sim.runs.runner import run_scenario, succeeded
 
+    from .run_directories import empty_directory, next_directory
+
     with one_clear_line():
         chosen = load_scenario(scenario, settings or (), seed)
-        directory = empty_directory(out, force)
+        directory = next_directory(chosen.name) if out is None else empty_directory(out, force)
         with progress_shown(progress_json) as progress:
             summary = run_scenario(chosen, directory, explain=trace_decisions, progress=progress)
     if not progress_json:
@@ -151,98 +216,8 @@ def run(
     raise typer.Exit(0 if succeeded(summary) else 1)
 
 
-def empty_directory(out: Path, force: bool) -> Path:
-    """``out`` as a new or empty directory; anything else is refused unless ``--force``."""
-    from walking_console.sim.runs.runner import RunError
-
-    try:
-        if out.exists() and not out.is_dir():
-            raise RunError(f"--out must be a directory, {str(out)!r} is a file")
-        if out.is_dir() and any(out.iterdir()):
-            if not force:
-                raise RunError(
-                    f"--out must be new or empty, {str(out)!r} is not; --force empties it"
-                )
-            if not (out / "run.json").is_file():
-                raise RunError(
-                    f"--force empties run directories only, {str(out)!r} has no run.json"
-                )
-            shutil.rmtree(out)
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise RunError(
-            f"cannot make the run directory {str(out)!r:.300}: {error.strerror}"
-        ) from None
-    if not os.access(out, os.W_OK | os.X_OK):
-        raise RunError(f"cannot write into the run directory {str(out)!r}")
-    return out
-
-
-@contextmanager
-def progress_shown(as_json: bool) -> Iterator[Callable[[Any, float], None] | None]:
-    """A progress bar on a terminal, JSON lines when asked, silence otherwise."""
-    if as_json:
-        yield lambda console, share: print(
-            json.dumps(
-                {"progress": share, "tick": console.tick_count, "distance_m": console.distance}
-            ),
-            flush=True,
-        )
-    elif terminal.is_terminal:
-        columns = (
-            TextColumn("{task.description}"),
-            BarColumn(),
-            TextColumn("{task.percentage:>3.0f} %"),
-            TimeElapsedColumn(),
-        )
-        with Progress(*columns, console=terminal, transient=True) as bar:
-            task = bar.add_task("walking", total=1.0)
-            yield lambda console, share: bar.update(
-                task, completed=share, description=f"{console.distance:5.2f} m"
-            )
-    else:
-        yield None
-
-
-def print_summary(summary: dict[str, Any], directory: Path) -> None:
-    """One screen: what came out, and each expectation."""
-    table = Table(box=None, show_header=False, pad_edge=False)
-    margin = summary["margin_min"]
-    rows = [
-        ("result", f"{summary['result']} ({summary['reason']})"),
-        ("time", f"{summary['seconds']:.2f} s, {summary['ticks']} ticks"),
-        ("distance", f"{summary['distance']:.3f} m, mean speed {summary['mean_speed']:.4f} m/s"),
-        (
-            "steps",
-            f"{summary['steps']}, forbidden {summary['forbidden_steps']}, falls {summary['falls']}",
-        ),
-        ("least margin", "none" if margin is None else f"{margin * 1000:.1f} mm longitudinal"),
-        (
-            "emergent",
-            ", ".join(f"{kind} {count}" for kind, count in summary["emergent"].items()) or "none",
-        ),
-        ("state hash", summary["state_hash"]),
-        ("written to", str(directory)),
-    ]
-    for key, entry in summary["expect"].items():
-        rows.append(
-            (
-                f"expect {key}",
-                f"{'pass' if entry['pass'] else 'FAIL'}: wanted {entry['wanted']:g}, got {shown(entry['got'])}",
-            )
-        )
-    for left, right in rows:
-        table.add_row(left, right)
-    terminal.print(table, soft_wrap=True)
-
-
-def shown(value: float | None) -> str:
-    """A measured figure for people."""
-    return "none" if value is None else f"{value:.6g}"
-
-
 @app.command()
-def replay(directory: Directory) -> None:
+def replay(directory: DirectoryArgument) -> None:
     """Run a recorded run again from its inputs and compare every tick's state hash."""
     from walking_console.sim.runs.runner import replay as replay_run
 
@@ -251,15 +226,13 @@ def replay(directory: Directory) -> None:
     if answer["equal"]:
         print(f"all {answer['ticks']} ticks are equal, state hash {answer['state_hash']}")
         raise typer.Exit(0)
-    print(
-        f"tick {answer['first_difference']} (t = {answer['t']:.2f} s) differs from the recorded run"
-    )
+    print("tick {first_difference} (t = {t:.2f} s) differs from the recorded run".format(**answer))
     raise typer.Exit(1)
 
 
 @app.command()
 def export(
-    directory: Directory,
+    directory: DirectoryArgument,
     to: Annotated[str, typer.Option(help="csv, npz, html or mcap.")],
     out: Annotated[Path | None, typer.Option(help="File to write; default beside the log.")] = None,
 ) -> None:
@@ -292,30 +265,22 @@ def figure(
 @app.command()
 def robots() -> None:
     """List the shipped robots."""
+    machines = [load_machine(name) for name in machine_names()]
     print_list(
-        (name, f"{load_machine(name).title} ({len(load_machine(name).legs)} legs)")
-        for name in machine_names()
+        (machine.name, f"{machine.title} ({len(machine.legs)} legs)") for machine in machines
     )
 
 
 @app.command()
 def terrains() -> None:
     """List the kinds of ground."""
-    print_list(iter(list_terrains()))
+    print_list(list_terrains())
 
 
 @app.command()
 def scenarios() -> None:
     """List the shipped scenarios."""
-    print_list(iter(list_scenarios()))
-
-
-def print_list(entries: Iterator[tuple[str, str]]) -> None:
-    """Names and one line each."""
-    known = list(entries)
-    width = max(len(name) for name, _ in known)
-    for name, line in known:
-        print(f"{name:<{width}}  {line}")
+    print_list(list_scenarios())
 
 
 @app.command()
@@ -331,10 +296,14 @@ def bench(
         figures = measure()
     print_figures(figures, terminal)
     if json_file is not None:
-        try:
-            json_file.write_text(json.dumps(figures, indent=2) + "\n", "utf-8")
-        except OSError as error:
-            refuse(f"cannot write {str(json_file)!r}: {error.strerror}")
+        _write_figures(figures, json_file)
+
+
+def _write_figures(figures: dict[str, Any], path: Path) -> None:
+    try:
+        path.write_text(json.dumps(figures, indent=2) + "\n", "utf-8")
+    except OSError as error:
+        refuse(f"cannot write {str(path)!r}: {error.strerror}")
 
 
 def main() -> None:

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from walking_console.planner.control.supervisor import DT
+from walking_console.planner.types import TICK
 from walking_console.sim.runs.runner import (
     RunError,
     read_arrays,
@@ -27,9 +27,11 @@ FRAME_TICKS = 3  # one drawn frame of a replay page every 60 ms
 FRAMES_MAX = 6000  # six minutes; longer runs are drawn at fewer frames a second
 BODY = ("x", "y", "z", "roll", "pitch", "yaw")
 PLAIN = ("t", "body", "feet", "contact", "support", "margin", "polygon_margin", "command", "step")
+MCAP_SUMMARY = ("version", "result", "reason", "state_hash")
+NANOSECONDS = 1e9  # in a second
 COMMAND = ("crab_angle_rad", "speed_m_s", "turn_rate_rad_s")
 
-Columns = dict[str, np.ndarray[Any, Any]]
+LogColumns = dict[str, np.ndarray[Any, Any]]
 
 
 def export(directory: Path, to: str, out: Path | None = None) -> Path:
@@ -50,23 +52,28 @@ def export(directory: Path, to: str, out: Path | None = None) -> Path:
 
 def _to_csv(directory: Path, summary: dict[str, Any], path: Path) -> None:
     """One row a tick, units in the column names."""
-    log, names = read_log(directory), mode_names(summary)
+    log = read_log(directory)
+    names = mode_names(summary)
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(_csv_header(log["feet"].shape[1]))
         for row in range(len(log["t"])):
-            writer.writerow([
-                repr(float(log["t"][row])),
-                *(repr(float(v)) for v in log["body"][row]),
-                *(repr(float(v)) for v in log["feet"][row].ravel()),
-                *(int(v) for v in log["contact"][row]),
-                *(int(v) for v in log["support"][row]),
-                repr(float(log["margin"][row])),
-                repr(float(log["polygon_margin"][row])),
-                *(repr(float(v)) for v in log["command"][row]),
-                int(log["step"][row]),
-                names.get(int(log["mode"][row]), "?"),
-            ])  # fmt: skip
+            writer.writerow(_csv_row(log, row, names))
+
+
+def _csv_row(log: LogColumns, row: int, names: dict[int, str]) -> list[Any]:
+    return [
+        repr(float(log["t"][row])),
+        *(repr(float(v)) for v in log["body"][row]),
+        *(repr(float(v)) for v in log["feet"][row].ravel()),
+        *(int(v) for v in log["contact"][row]),
+        *(int(v) for v in log["support"][row]),
+        repr(float(log["margin"][row])),
+        repr(float(log["polygon_margin"][row])),
+        *(repr(float(v)) for v in log["command"][row]),
+        int(log["step"][row]),
+        names.get(int(log["mode"][row]), "?"),
+    ]
 
 
 def mode_names(summary: dict[str, Any]) -> dict[int, str]:
@@ -104,21 +111,22 @@ def _to_html(directory: Path, summary: dict[str, Any], path: Path) -> None:
     """
     from walking_console.web.scene.scene import Scene
 
-    from .viser_bridge import Canvas
+    from .viser_bridge import ViserBridge
 
     every = max(FRAME_TICKS, -(-int(summary["ticks"]) // FRAMES_MAX))
-    canvas = Canvas()
+    bridge = ViserBridge()
     try:
-        scene, frames = Scene(canvas.server), _frames(directory, every)
+        scene = Scene(bridge.server)
+        frames = _frames(directory, every)
         for snapshot in itertools.islice(frames, 1):
             scene.draw(snapshot)
-        recording = canvas.server.get_scene_serializer()
+        recording = bridge.server.get_scene_serializer()
         for snapshot in frames:
-            recording.insert_sleep(every * DT)
+            recording.insert_sleep(every * TICK)
             scene.draw(snapshot)
         path.write_text(recording.as_html(dark_mode=True), "utf-8")
     finally:
-        canvas.stop()
+        bridge.stop()
 
 
 def _frames(directory: Path, every: int) -> Iterator[Any]:
@@ -139,22 +147,27 @@ def _to_mcap(directory: Path, summary: dict[str, Any], path: Path) -> None:
         raise RunError(
             "writing mcap needs the extra: pip install 'walking-console[mcap]'"
         ) from None
-    log = read_log(directory)
-    names = mode_names(summary)
     with path.open("wb") as file:
         writer = Writer(file)
         writer.start(profile="", library="walking-console")
-        ticks, steps = (_channel(writer, topic) for topic in ("/tick", "/step"))
-        for row in range(len(log["t"])):
-            at = round(float(log["t"][row]) * 1e9)
-            writer.add_message(ticks, at, json.dumps(_tick_message(log, row, names)).encode(), at)
-        for step in read_steps(directory):
-            at = round(step["tick"] * DT * 1e9)
-            writer.add_message(steps, at, json.dumps(step).encode(), at)
-        writer.add_metadata(
-            "run", {key: str(summary[key]) for key in ("version", "result", "reason", "state_hash")}
-        )
+        _write_ticks(writer, read_log(directory), mode_names(summary))
+        _write_steps(writer, directory)
+        writer.add_metadata("run", {key: str(summary[key]) for key in MCAP_SUMMARY})
         writer.finish()  # type: ignore[no-untyped-call]
+
+
+def _write_ticks(writer: Any, log: LogColumns, names: dict[int, str]) -> None:
+    channel = _channel(writer, "/tick")
+    for row in range(len(log["t"])):
+        at = round(float(log["t"][row]) * NANOSECONDS)
+        writer.add_message(channel, at, json.dumps(_tick_message(log, row, names)).encode(), at)
+
+
+def _write_steps(writer: Any, directory: Path) -> None:
+    channel = _channel(writer, "/step")
+    for step in read_steps(directory):
+        at = round(step["tick"] * TICK * NANOSECONDS)
+        writer.add_message(channel, at, json.dumps(step).encode(), at)
 
 
 def _channel(writer: Any, topic: str) -> int:
@@ -166,7 +179,7 @@ def _channel(writer: Any, topic: str) -> int:
     return int(writer.register_channel(topic=topic, message_encoding="json", schema_id=schema))
 
 
-def _tick_message(log: Columns, row: int, names: dict[int, str]) -> dict[str, Any]:
+def _tick_message(log: LogColumns, row: int, names: dict[int, str]) -> dict[str, Any]:
     return {
         **{name: log[name][row].tolist() for name in PLAIN},
         "mode": names.get(int(log["mode"][row]), "?"),

@@ -73,9 +73,13 @@ def form_of(annotation: Any) -> Form:
     if annotation in FORMS:
         return FORMS[annotation]
     if get_origin(annotation) is tuple:
-        item = form_of(get_args(annotation)[0])  # the parts of a tuple are alike
-        return Form(list[item.kind], lambda values: [item.convert(value) for value in values])  # type: ignore[name-defined]
+        return _list_form(form_of(get_args(annotation)[0]))  # the parts of a tuple are alike
     raise TypeError(f"{annotation} has no form on the wire: give it one, or keep it inside")
+
+
+def _list_form(item: Form) -> Form:
+    kind: Any = list[item.kind]  # type: ignore[name-defined]
+    return Form(kind, lambda values: [item.convert(value) for value in values])
 
 
 class WireField(NamedTuple):
@@ -117,7 +121,8 @@ def _keys_of(name: str, kind: Any, sent: Sent) -> Iterator[WireField]:
 
 
 def _wire_field(path: str, kind: Any, sent: Sent, name: str) -> WireField:
-    form, get = form_of(kind), attrgetter(path)
+    form = form_of(kind)
+    get = attrgetter(path)
     shown = form.kind | None if sent.may_lack else form.kind
     return WireField(sent.key or name, shown, sent, lambda record: form.convert(get(record)))
 
@@ -201,7 +206,8 @@ class LeaseFrame(BaseModel):
 class RefusedFrame(BaseModel):
     """Server to client on /drive: why a frame had no effect."""
 
-    model_config = example(type="refused", seq=17, reason="k3v9 is driving")
+    model_config = example(type="refused", seq=17, code="other_drives", reason="k3v9 is driving")
     type: Literal["refused"] = "refused"
     seq: int | None
-    reason: str
+    code: str = Field(description="which reason, for programs")
+    reason: str = Field(description="the same, for people")

@@ -9,12 +9,10 @@ from the process and the files when somebody asks.
 from __future__ import annotations
 
 import json
-import math
 import os
 import re
 import shutil
 import subprocess
-import sys
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -22,14 +20,16 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
-COMMAND = (sys.executable, "-m", "walking_console")
+from .child_process import start_child
+from .toml_text import toml
+
 RUNS_AT_ONCE = 2
 RUNS_KEPT = 1000
-DURATION_MAX = 3600.0  # s of simulated time
 SPACE_MIN = 200e6  # bytes free, below which no run begins
-NICENESS = 10  # the walk on the screen goes first
 PATIENCE = 2.0  # s between asking a child to end and ending it
+REASON_SHOWN = 500  # characters of what a child said last
 ID = re.compile(r"[a-z0-9][a-z0-9_-]{0,63}")
+STEM_LENGTH = 50  # characters of a name that an id keeps
 FILES = {
     "run.json": "application/json",
     "ticks.npz": "application/octet-stream",
@@ -51,6 +51,8 @@ SUMMARY = (
     "forbidden_steps",
     "falls",
     "emergent",
+    "expect",
+    "state_hash",
 )
 
 
@@ -69,13 +71,30 @@ class Job:
     process: subprocess.Popen[bytes]
     asked: float | None = None  # s, monotonic, when it was asked to end
 
+    @property
+    def working(self) -> bool:
+        """Whether it has not ended."""
+        return self.process.poll() is None
 
-class Runs:
+    def ask_to_end(self) -> None:
+        """Once; one that is over stays as it is."""
+        if self.working and self.asked is None:
+            self.asked = time.monotonic()
+            self.process.terminate()
+
+    def end_if_overdue(self) -> None:
+        """Asked to end and still there after ``PATIENCE``: ended."""
+        if self.asked is not None and time.monotonic() - self.asked > PATIENCE:
+            self.process.kill()
+
+
+class RunJobs:
     """Starts, lists and cancels runs. Used from the web loop only."""
 
     def __init__(self, data: Path) -> None:
-        self.data = data
-        self.runs, self._jobs_folder = data / "runs", data / "jobs"
+        self.data = data.absolute()
+        self.runs = self.data / "runs"
+        self._jobs_folder = self.data / "jobs"
         self._jobs: dict[str, Job] = {}
 
     def start(
@@ -85,33 +104,16 @@ class Runs:
         self._check_room()
         run_id = self._new_id(name)
         folder = self._jobs_folder / run_id
-        (folder / "scenario.toml").write_text(toml(scenario), "utf-8")
-        command = [
-            *COMMAND,
-            "run",
-            str(folder / "scenario.toml"),
-            "--out",
-            str(self.runs / run_id),
-            "--progress-json",
-        ]
+        written = folder / "scenario.toml"
+        written.write_text(toml(scenario), "utf-8")
+        arguments = ["run", str(written), "--out", str(self.runs / run_id), "--progress-json"]
         if trace_decisions:
-            command.append("--trace-decisions")
+            arguments.append("--trace-decisions")
         with (
             (folder / "progress.jsonl").open("wb") as progress,
             (folder / "errors.txt").open("wb") as errors,
         ):
-            process = subprocess.Popen(
-                command,
-                stdin=subprocess.DEVNULL,
-                stdout=progress,
-                stderr=errors,
-                start_new_session=True,
-            )
-        self._jobs[run_id] = Job(process)
-        try:
-            os.setpriority(os.PRIO_PROCESS, process.pid, NICENESS)
-        except (OSError, AttributeError):
-            pass  # it has ended already, or this system has no such call
+            self._jobs[run_id] = Job(start_child(arguments, folder, progress, errors))
         return run_id
 
     def _check_room(self) -> None:
@@ -123,9 +125,7 @@ class Runs:
             self._jobs_folder.mkdir(parents=True, exist_ok=True)
             free = shutil.disk_usage(self.data).free
         except OSError as error:
-            raise RunRefused(
-                507, f"runs cannot be kept in {str(self.data)!r}: {error.strerror}"
-            ) from None
+            raise self._cannot_be_kept(error) from None
         if free < SPACE_MIN:
             raise RunRefused(507, f"less than {SPACE_MIN / 1e6:.0f} MB are free for runs")
         if len(self.ids()) >= RUNS_KEPT:
@@ -133,10 +133,13 @@ class Runs:
                 507, f"{RUNS_KEPT} runs are kept already; remove some from {str(self.data)!r}"
             )
 
+    def _cannot_be_kept(self, error: OSError) -> RunRefused:
+        return RunRefused(507, f"runs cannot be kept in {str(self.data)!r}: {error.strerror}")
+
     def _new_id(self, name: str) -> str:
-        stem = re.sub(r"[^a-z0-9_-]+", "-", name.lower()).strip("-_")[:50] or "run"
+        """The next free number of this name, with its folder made."""
         for number in count(1):
-            run_id = f"{stem}-{number:04d}"
+            run_id = numbered(name, number)
             if (self.runs / run_id).exists():
                 continue
             try:
@@ -144,28 +147,16 @@ class Runs:
             except FileExistsError:
                 continue
             except OSError as error:
-                raise RunRefused(
-                    507, f"runs cannot be kept in {str(self.data)!r}: {error.strerror}"
-                ) from None
+                raise self._cannot_be_kept(error) from None
             return run_id
         raise AssertionError("unreachable")
 
     def ids(self) -> list[str]:
         """Every run there is, sorted."""
-        return sorted({*self._names(self.runs), *self._names(self._jobs_folder)})
-
-    @staticmethod
-    def _names(folder: Path) -> list[str]:
-        try:
-            return [
-                entry.name
-                for entry in os.scandir(folder)
-                if ID.fullmatch(entry.name) and entry.is_dir(follow_symlinks=False)
-            ]
-        except OSError:
-            return []
+        return sorted({*_folders(self.runs), *_folders(self._jobs_folder)})
 
     def knows(self, run_id: str) -> bool:
+        """Whether there is such a run, at work or over."""
         return ID.fullmatch(run_id) is not None and any(
             (folder / run_id).is_dir() for folder in (self.runs, self._jobs_folder)
         )
@@ -173,33 +164,26 @@ class Runs:
     def _working(self, run_id: str) -> bool:
         """Whether its child is at work; one that was asked to end and did not is ended."""
         job = self._jobs.get(run_id)
-        if job is None or job.process.poll() is not None:
+        if job is None or not job.working:
             return False
-        if job.asked is not None and time.monotonic() - job.asked > PATIENCE:
-            job.process.kill()
+        job.end_if_overdue()
         return True
 
     def state(self, run_id: str) -> dict[str, Any]:
         """Progress and result of a run that ``knows`` knows."""
         working = self._working(run_id)
         summary = None if working else _json(self.runs / run_id / "run.json")
-        state, reason = self._outcome(run_id, summary) if not working else ("running", "")
-        result = None
-        if summary is not None:
-            result = {key: summary.get(key) for key in SUMMARY} | {
-                "expect": summary.get("expect"),
-                "state_hash": summary.get("state_hash"),
-            }
-        progress = _last_line(self._jobs_folder / run_id / "progress.jsonl")
+        state, reason = ("running", "") if working else self._outcome(run_id, summary)
         return {
             "id": run_id,
             "state": state,
             "reason": reason,
-            "progress": progress,
-            "result": result,
+            "progress": _last_line(self._jobs_folder / run_id / "progress.jsonl"),
+            "result": None if summary is None else {key: summary.get(key) for key in SUMMARY},
         }
 
     def _outcome(self, run_id: str, summary: dict[str, Any] | None) -> tuple[str, str]:
+        """State and reason of a run that is over."""
         if summary is not None and summary.get("result") in RESULTS:
             return str(summary["result"]), str(summary.get("reason", ""))
         job = self._jobs.get(run_id)
@@ -208,16 +192,14 @@ class Runs:
         if job.asked is not None:
             return "interrupted", "cancelled"
         said = _text(self._jobs_folder / run_id / "errors.txt").strip()
-        return "failed", said.rsplit("\n", 1)[-1][
-            :500
-        ] or f"the run ended with status {job.process.returncode}"
+        last = said.rsplit("\n", 1)[-1][:REASON_SHOWN]
+        return "failed", last or f"the run ended with status {job.process.returncode}"
 
     def cancel(self, run_id: str) -> None:
         """Ask a run to end; one that is over stays as it is."""
         job = self._jobs.get(run_id)
-        if job is not None and job.process.poll() is None and job.asked is None:
-            job.asked = time.monotonic()
-            job.process.terminate()
+        if job is not None:
+            job.ask_to_end()
 
     def file(self, run_id: str, name: str) -> Path | None:
         """One of the files of a run, None when it has none of that name."""
@@ -229,19 +211,8 @@ class Runs:
     def draw(self, run_id: str) -> subprocess.Popen[bytes]:
         """A child that writes ``replay.html`` into a finished run."""
         folder = self.runs / run_id
-        command = [
-            *COMMAND,
-            "export",
-            str(folder),
-            "--to",
-            "html",
-            "--out",
-            str(folder / "replay.html"),
-        ]
-        nowhere = subprocess.DEVNULL
-        return subprocess.Popen(
-            command, stdin=nowhere, stdout=nowhere, stderr=nowhere, start_new_session=True
-        )
+        page = str(folder / "replay.html")
+        return start_child(["export", str(folder), "--to", "html", "--out", page], folder)
 
     def stop(self) -> None:
         """End every child, at once where it has to be."""
@@ -254,6 +225,24 @@ class Runs:
             except subprocess.TimeoutExpired:
                 job.process.kill()
                 job.process.wait(1.0)
+
+
+def numbered(name: str, number: int) -> str:
+    """``flat-0001``: a name as ids and folders of runs carry it."""
+    stem = re.sub(r"[^a-z0-9_-]+", "-", name.lower()).strip("-_")[:STEM_LENGTH] or "run"
+    return f"{stem}-{number:04d}"
+
+
+def _folders(folder: Path) -> list[str]:
+    """Names of the runs in a folder; none when there is no such folder."""
+    try:
+        return [
+            entry.name
+            for entry in os.scandir(folder)
+            if ID.fullmatch(entry.name) and entry.is_dir(follow_symlinks=False)
+        ]
+    except OSError:
+        return []
 
 
 def _text(path: Path) -> str:
@@ -281,44 +270,3 @@ def _last_line(path: Path) -> dict[str, Any] | None:
         if isinstance(data, dict):
             return data
     return None
-
-
-def toml(data: Mapping[str, Any]) -> str:
-    """Plain data as TOML, one line a key; None is left out."""
-    return "".join(
-        f"{_key(key)} = {_value(value)}\n" for key, value in data.items() if value is not None
-    )
-
-
-def _key(key: str) -> str:
-    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else _string(key)
-
-
-def _string(text: str) -> str:
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
-
-
-def _value(value: Any) -> str:
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, str):
-        return _string(value)
-    if isinstance(value, int):
-        return str(value)
-    if isinstance(value, float):
-        return (
-            repr(value)
-            if math.isfinite(value)
-            else {math.inf: "inf", -math.inf: "-inf"}.get(value, "nan")
-        )
-    if isinstance(value, Mapping):
-        return (
-            "{"
-            + ", ".join(
-                f"{_key(key)} = {_value(item)}" for key, item in value.items() if item is not None
-            )
-            + "}"
-        )
-    if isinstance(value, list | tuple):
-        return "[" + ", ".join(_value(item) for item in value) + "]"
-    raise TypeError(f"TOML has no {type(value).__name__}")

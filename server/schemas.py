@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from walking_console.planner.types import Command
 from walking_console.sim.scenario import ModeName
 
-from .realtime_loop import ADVANCE_MAX, RATE_MAX
+from .pacing import ADVANCE_MAX, RATE_MAX
 
 # m/s: nothing that walks here is faster; the walker's own v_max still applies below it
 SPEED_MAX = 2.0
@@ -24,15 +24,16 @@ CRAB_ANGLE_MAX = 3.1416  # rad: half a turn, rounded up so that a rounded pi is 
 TTL_MAX = 1.0  # s of held driving
 SEQUENCE_MAX = 2**53  # what JavaScript counts exactly
 AMOUNT_MAX = 1.0  # m, one terrain edit
-BRUSH_AMOUNT = 0.05  # m, one touch of the page's brush
 BRUSH_MAX = 3.0  # m, radius or side of one terrain edit
 CELLS_MAX = 10_000  # cells named one by one in one terrain edit
 INDEX_MAX = 100_000
 SHIPPED_NAME = r"^[a-z0-9][a-z0-9_-]{0,63}$"
 
-Name = Annotated[str, Field(pattern=SHIPPED_NAME)]
-Cell = Annotated[list[Annotated[int, Field(ge=0, le=INDEX_MAX)]], Field(min_length=2, max_length=2)]
-CrabAngle = Annotated[
+ShippedName = Annotated[str, Field(pattern=SHIPPED_NAME)]
+CellIndex = Annotated[
+    list[Annotated[int, Field(ge=0, le=INDEX_MAX)]], Field(min_length=2, max_length=2)
+]
+CommandedCrabAngle = Annotated[
     float,
     Field(
         ge=-CRAB_ANGLE_MAX,
@@ -40,8 +41,8 @@ CrabAngle = Annotated[
         description="course in body axes, positive to the left",
     ),
 ]
-Speed = Annotated[float, Field(ge=0.0, le=SPEED_MAX)]
-TurnRate = Annotated[
+CommandedSpeed = Annotated[float, Field(ge=0.0, le=SPEED_MAX)]
+CommandedTurnRate = Annotated[
     float,
     Field(
         ge=-TURN_RATE_MAX,
@@ -49,8 +50,8 @@ TurnRate = Annotated[
         description="yaw rate of the torso, positive to the left",
     ),
 ]
-Metres = Annotated[float, Field(ge=-1e4, le=1e4)]
-Brush = Annotated[float, Field(gt=0.0, le=BRUSH_MAX)]
+MapCoordinate = Annotated[float, Field(ge=-1e4, le=1e4)]
+AreaSize = Annotated[float, Field(gt=0.0, le=BRUSH_MAX)]
 
 
 class Shape(BaseModel):
@@ -67,9 +68,9 @@ class CommandBody(Shape):
     """A command that must be repeated: after ``ttl_s`` without another the machine holds."""
 
     model_config = example(crab_angle_rad=0.0, speed_m_s=0.08, turn_rate_rad_s=0.0, ttl_s=0.5)
-    crab_angle_rad: CrabAngle = 0.0
-    speed_m_s: Speed = 0.0
-    turn_rate_rad_s: TurnRate = 0.0
+    crab_angle_rad: CommandedCrabAngle = 0.0
+    speed_m_s: CommandedSpeed = 0.0
+    turn_rate_rad_s: CommandedTurnRate = 0.0
     ttl_s: Annotated[float, Field(gt=0.0, le=TTL_MAX)]
 
     def command(self) -> Command:
@@ -114,11 +115,11 @@ class ScenarioBody(Shape):
     """
 
     model_config = example(name="dem", robot="titan3")
-    name: Name | None = None
+    name: ShippedName | None = None
     scenario: dict[str, Any] | None = Field(default=None, description="a scenario file as JSON")
-    robot: Name | None = None
+    robot: ShippedName | None = None
     mode: ModeName | None = Field(
-        default=None, description="of the crab planner; null: the scenario's"
+        default=None, description="one of the planner's; null: the scenario's"
     )
     seed: Annotated[int, Field(ge=0, le=2**31 - 1)] | None = None
 
@@ -137,19 +138,19 @@ class RunBody(ScenarioBody):
     trace_decisions: bool = False
 
 
-class Circle(Shape):
+class CircleArea(Shape):
     model_config = example(x_m=1.0, y_m=0.0, radius_m=0.2)
-    x_m: Metres
-    y_m: Metres
-    radius_m: Brush
+    x_m: MapCoordinate
+    y_m: MapCoordinate
+    radius_m: AreaSize
 
 
-class Rectangle(Shape):
+class RectangleArea(Shape):
     model_config = example(x_m=1.0, y_m=-0.5, width_m=0.5, depth_m=1.0)
-    x_m: Metres
-    y_m: Metres
-    width_m: Annotated[Brush, Field(description="along x")]
-    depth_m: Annotated[Brush, Field(description="along y")]
+    x_m: MapCoordinate
+    y_m: MapCoordinate
+    width_m: Annotated[AreaSize, Field(description="along x")]
+    depth_m: Annotated[AreaSize, Field(description="along y")]
 
 
 class TerrainBody(Shape):
@@ -161,9 +162,9 @@ class TerrainBody(Shape):
         action="raise", circle={"x_m": 1.0, "y_m": 0.0, "radius_m": 0.2}, amount_m=0.1
     )
     action: Literal["dig", "raise", "forbid", "clear"]
-    circle: Circle | None = None
-    rectangle: Rectangle | None = None
-    cells: Annotated[list[Cell], Field(min_length=1, max_length=CELLS_MAX)] | None = None
+    circle: CircleArea | None = None
+    rectangle: RectangleArea | None = None
+    cells: Annotated[list[CellIndex], Field(min_length=1, max_length=CELLS_MAX)] | None = None
     amount_m: (
         Annotated[
             float,
@@ -181,18 +182,6 @@ class TerrainBody(Shape):
         return self
 
 
-def painted(brush: str, x: float, y: float, radius: float) -> TerrainBody:
-    """One touch of a brush on the page: dig, raise, lower, forbid or clear a circle."""
-    amount = {"raise": BRUSH_AMOUNT, "lower": -BRUSH_AMOUNT}.get(brush)
-    return TerrainBody.model_validate(
-        {
-            "action": "raise" if brush == "lower" else brush,
-            "circle": {"x_m": x, "y_m": y, "radius_m": radius},
-            "amount_m": amount,
-        }
-    )
-
-
 class DriveFrame(Shape):
     """Client to server on /drive: the held stick, repeated 20 to 30 times a second."""
 
@@ -204,9 +193,9 @@ class DriveFrame(Shape):
     echo_tick: Annotated[
         int, Field(ge=0, le=SEQUENCE_MAX, description="the newest tick this page has seen")
     ]
-    crab_angle_rad: CrabAngle
-    speed_m_s: Speed
-    turn_rate_rad_s: TurnRate
+    crab_angle_rad: CommandedCrabAngle
+    speed_m_s: CommandedSpeed
+    turn_rate_rad_s: CommandedTurnRate
 
     def command(self) -> Command:
         return Command(self.crab_angle_rad, self.speed_m_s, self.turn_rate_rad_s)
@@ -254,8 +243,8 @@ class PostureFrame(Shape):
     posture: Literal["sit", "stand", "standard"]
 
 
-Frame = DriveFrame | TakeFrame | ReleaseFrame | StopFrame | RearmFrame | PostureFrame
-FRAMES: dict[str, type[Frame]] = {
+ClientFrame = DriveFrame | TakeFrame | ReleaseFrame | StopFrame | RearmFrame | PostureFrame
+CLIENT_FRAMES: dict[str, type[ClientFrame]] = {
     "drive": DriveFrame,
     "take": TakeFrame,
     "release": ReleaseFrame,
@@ -273,7 +262,7 @@ class BadFrame(ValueError):
         self.seq = seq
 
 
-def read_frame(text: str) -> Frame:
+def read_frame(text: str) -> ClientFrame:
     """One frame from /drive; raises ``BadFrame``."""
     try:
         data = json.loads(text, parse_constant=_no_constant, object_pairs_hook=_no_duplicates)
@@ -282,11 +271,13 @@ def read_frame(text: str) -> Frame:
     if not isinstance(data, dict):
         raise BadFrame("not a JSON object")
     kind = data.get("type", "drive")
-    shape = FRAMES.get(kind) if isinstance(kind, str) else None
+    shape = CLIENT_FRAMES.get(kind) if isinstance(kind, str) else None
     seq = data.get("seq")
     seq = seq if type(seq) is int and 0 <= seq <= SEQUENCE_MAX else None
     if shape is None:
-        raise BadFrame(f"unknown type {str(kind)[:40]!r}; there are: {', '.join(FRAMES)}", seq)
+        raise BadFrame(
+            f"unknown type {str(kind)[:40]!r}; there are: {', '.join(CLIENT_FRAMES)}", seq
+        )
     try:
         return shape.model_validate(data)
     except ValueError as error:
@@ -342,9 +333,15 @@ class Problem(BaseModel):
     """
 
     model_config = example(
-        type="about:blank", title="Unprocessable Content", status=422, detail="speed_m_s: Input should be less than or equal to 2",
-        field="speed_m_s", value=9.0, limit={"le": 2.0}, errors=[],
-    )  # fmt: skip
+        type="about:blank",
+        title="Unprocessable Content",
+        status=422,
+        detail="speed_m_s: Input should be less than or equal to 2",
+        field="speed_m_s",
+        value=9.0,
+        limit={"le": 2.0},
+        errors=[],
+    )
     type: str
     title: str
     status: int

@@ -2,8 +2,8 @@
 
 While ``ViserServer.__init__`` runs, the function that would open its socket is replaced by one that
 only keeps the handler; that handler then runs on viser's own loop, once per WebSocket of ours, with
-``Stream`` in place of the connection. All viser internals this leans on are in this file, and
-``tests/server/test_canvas.py`` is the contract test that a new viser must pass.
+``ClientStream`` in place of the connection. All viser internals this leans on are in this file, and
+``tests/server/test_viser_bridge.py`` is the contract test that a new viser must pass.
 
 Stock viser lets any client open a public tunnel, set any attribute of a GUI handle and upload
 without end: what comes up is read here first, and only the few message types a viewer needs go on.
@@ -16,8 +16,9 @@ import gzip
 import hashlib
 import secrets
 import threading
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Iterator
 from concurrent.futures import Future
+from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Protocol
@@ -30,7 +31,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from viser import _messages
 from websockets.exceptions import ConnectionClosedOK
 
-from .request_guard import problem
+from .problems import problem
 
 SUBPROTOCOL = f"viser-v{viser.__version__}"
 CLIENTS_MAX = 16
@@ -49,10 +50,10 @@ PASSED = (
 # others can run foreign script
 QUERY_KEYS = frozenset({"darkMode", "showStats", "fixedDpr", "hideViserLogo", "logCamera"})
 
-Handler = Callable[[Any], Awaitable[None]]
+ServeClient = Callable[[Any], Awaitable[None]]
 
 
-class CanvasError(RuntimeError):
+class BridgeError(RuntimeError):
     """viser did not start, or is not the viser this bridge knows."""
 
 
@@ -70,9 +71,9 @@ class _Unopened:
     """What stands in for ``websockets.asyncio.server.serve``: keeps the handler, opens nothing."""
 
     server = _NoSockets()
-    handler: Handler | None = None
+    handler: ServeClient | None = None
 
-    def __call__(self, handler: Handler, *_: Any, **__: Any) -> _Unopened:
+    def __call__(self, handler: ServeClient, *_: Any, **__: Any) -> _Unopened:
         self.handler = handler
         return self
 
@@ -91,36 +92,53 @@ class _Unopened:
 _starting = threading.Lock()
 
 
-def viser_without_socket() -> tuple[viser.ViserServer, Handler]:
+@contextmanager
+def _quiet_terminal() -> Iterator[None]:
+    """viser prints its banner, and its farewell, even when asked not to."""
+    terminal = rich.get_console()
+    before = terminal.quiet
+    terminal.quiet = True
+    try:
+        yield
+    finally:
+        terminal.quiet = before
+
+
+@contextmanager
+def _no_socket_opened() -> Iterator[_Unopened]:
+    """While this lasts, nobody's ``websockets.asyncio.server.serve`` opens anything."""
+    unopened = _Unopened()
+    opened = websockets.asyncio.server.serve
+    websockets.asyncio.server.serve = unopened  # type: ignore[misc, assignment]
+    try:
+        yield unopened
+    finally:
+        websockets.asyncio.server.serve = opened  # type: ignore[misc]
+
+
+def viser_without_socket() -> tuple[viser.ViserServer, ServeClient]:
     """A viser server that listens nowhere, and the handler it would have served; raises
-    ``CanvasError``.
+    ``BridgeError``.
     """
     made: list[viser.ViserServer] = []
-    unopened = _Unopened()
-    terminal = rich.get_console()
-    with _starting:
-        opened, quiet = websockets.asyncio.server.serve, terminal.quiet
-        websockets.asyncio.server.serve = unopened  # type: ignore[misc, assignment]
-        terminal.quiet = True  # viser prints its banner even when asked not to
-        try:  # in a thread: the constructor waits for ever when viser's own thread dies
-            maker = threading.Thread(
-                target=lambda: made.append(
-                    viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
-                ),
-                daemon=True,
-            )
-            maker.start()
-            maker.join(START_TIME)
-        finally:
-            websockets.asyncio.server.serve, terminal.quiet = opened, quiet  # type: ignore[misc]
+
+    def make() -> None:
+        made.append(viser.ViserServer(host="127.0.0.1", port=0, verbose=False))
+
+    with _starting, _no_socket_opened() as unopened, _quiet_terminal():
+        # in a thread: the constructor waits for ever when viser's own thread dies
+        maker = threading.Thread(target=make, daemon=True)
+        maker.start()
+        maker.join(START_TIME)
     if not made or unopened.handler is None:
-        raise CanvasError(
-            f"viser {viser.__version__} did not start without a socket; this console knows viser 1.1.1"
+        raise BridgeError(
+            f"viser {viser.__version__} did not start without a socket; "
+            "this console knows viser 1.1.1"
         )
     return made[0], unopened.handler
 
 
-class Stream:
+class ClientStream:
     """One of our WebSockets as viser's handler sees it, on viser's loop: ``recv``, ``send``,
     ``close``, ``subprotocol``.
     """
@@ -128,7 +146,8 @@ class Stream:
     subprotocol = SUBPROTOCOL
 
     def __init__(self, socket: WebSocket, web_loop: asyncio.AbstractEventLoop) -> None:
-        self._socket, self._web_loop = socket, web_loop
+        self._socket = socket
+        self._web_loop = web_loop
         self._inbox: asyncio.Queue[bytes | None] = asyncio.Queue()
         self._closed = False
 
@@ -175,6 +194,21 @@ class Stream:
         self._inbox.put_nowait(frame)
 
 
+class Allowance:
+    """How many messages a client may still send: a burst, refilled as time goes by."""
+
+    def __init__(self, now: float) -> None:
+        self._left = MESSAGE_BURST
+        self._counted = now
+
+    def take(self, now: float) -> bool:
+        """One more message; False when it is one too many."""
+        earned = (now - self._counted) * MESSAGES_PER_SECOND
+        self._left = min(MESSAGE_BURST, self._left + earned) - 1.0
+        self._counted = now
+        return self._left >= 0.0
+
+
 async def _close(socket: Closing, code: int, reason: str) -> None:
     try:
         async with asyncio.timeout(1.0):
@@ -183,8 +217,10 @@ async def _close(socket: Closing, code: int, reason: str) -> None:
         pass  # it was closed already
 
 
-def passed(frame: bytes) -> bool:
-    """True for what a viewer may say: where its camera is, what it clicked, the value of a switch."""
+def may_pass(frame: bytes) -> bool:
+    """True for what a viewer may say: where its camera is, what it clicked, the value of a
+    switch.
+    """
     if len(frame) > FRAME_MAX:
         return False
     try:
@@ -201,16 +237,16 @@ def passed(frame: bytes) -> bool:
     return type(message) in PASSED
 
 
-class Canvas:
+class ViserBridge:
     """viser's server for the scene, its page for a frame, and its stream for a WebSocket."""
 
     def __init__(self) -> None:
         self.server, self._handler = viser_without_socket()
         self._loop = self.server.get_event_loop()
-        self._streams: set[Stream] = set()
+        self._streams: set[ClientStream] = set()
         self.dropped = 0  # frames that were not let through
         self.nonce = secrets.token_urlsafe(16)
-        self.page, self.nonced = dressed(client_page(), self.nonce)
+        self.page, self.nonced = embedded(client_page(), self.nonce)
         self.page_gzipped = gzip.compress(self.page, 6)
         self.etag = f'"{hashlib.sha256(self.page).hexdigest()[:32]}"'
 
@@ -229,9 +265,11 @@ class Canvas:
         """
         script = f"'nonce-{self.nonce}'" if self.nonced else "'unsafe-inline'"
         return (
-            f"default-src 'none'; script-src 'self' blob: 'wasm-unsafe-eval' {script}; style-src 'self' 'unsafe-inline'; "
-            f"img-src 'self' data: blob:; font-src 'self' data:; connect-src 'self' ws://{host} wss://{host} data: blob:; "
-            "worker-src 'self' blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'self'"
+            "default-src 'none'; "
+            f"script-src 'self' blob: 'wasm-unsafe-eval' {script}; "
+            "style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; font-src 'self' data:; "
+            f"connect-src 'self' ws://{host} wss://{host} data: blob:; worker-src 'self' blob:; "
+            "base-uri 'none'; form-action 'none'; frame-ancestors 'self'"
         )
 
     async def carry(self, socket: WebSocket) -> None:
@@ -244,7 +282,7 @@ class Canvas:
                 problem(503, f"{CLIENTS_MAX} canvases are open already")
             )
             return
-        stream = Stream(socket, asyncio.get_running_loop())
+        stream = ClientStream(socket, asyncio.get_running_loop())
         self._streams.add(stream)
         try:
             await socket.accept(subprotocol=SUBPROTOCOL)
@@ -252,7 +290,7 @@ class Canvas:
         finally:
             self._streams.discard(stream)
 
-    async def _both_ways(self, socket: WebSocket, stream: Stream) -> None:
+    async def _both_ways(self, socket: WebSocket, stream: ClientStream) -> None:
         handling: Future[None] = asyncio.run_coroutine_threadsafe(
             _run(self._handler, stream), self._loop
         )
@@ -270,32 +308,26 @@ class Canvas:
             handling.cancel()
             await asyncio.gather(handled, reading, return_exceptions=True)
 
-    async def _read(self, socket: WebSocket, stream: Stream) -> int:
+    async def _read(self, socket: WebSocket, stream: ClientStream) -> int:
         """Pass on what may pass, until the client goes or asks too much; the answer is the close
         code.
         """
-        loop = asyncio.get_running_loop()
-        allowance, counted = MESSAGE_BURST, loop.time()
+        allowance = Allowance(asyncio.get_running_loop().time())
         while True:
             message = await socket.receive()
             if message["type"] == "websocket.disconnect":
                 return 1000
-            now = loop.time()
-            allowance, counted = (
-                min(MESSAGE_BURST, allowance + (now - counted) * MESSAGES_PER_SECOND) - 1.0,
-                now,
-            )
-            frame = message.get("bytes")
-            if allowance < 0.0:
+            if not allowance.take(asyncio.get_running_loop().time()):
                 return 1008
+            frame = message.get("bytes")
             if frame is None:
                 return 1003
-            if passed(frame):
+            if may_pass(frame):
                 self._say(stream, frame)
             else:
                 self.dropped += 1
 
-    def _say(self, stream: Stream, frame: bytes | None) -> None:
+    def _say(self, stream: ClientStream, frame: bytes | None) -> None:
         try:
             self._loop.call_soon_threadsafe(stream.deliver, frame)
         except RuntimeError:
@@ -303,15 +335,11 @@ class Canvas:
 
     def stop(self) -> None:
         """End viser's thread; waits at most a second or two."""
-        terminal = rich.get_console()
-        quiet, terminal.quiet = terminal.quiet, True
-        try:
+        with _quiet_terminal():
             self.server.stop()
-        finally:
-            terminal.quiet = quiet
 
 
-async def _run(handler: Handler, stream: Stream) -> None:
+async def _run(handler: ServeClient, stream: ClientStream) -> None:
     await handler(stream)
 
 
@@ -325,16 +353,19 @@ async def _finish(handling: Future[None]) -> int:
 
 FORWARD_KEYS = """
 (() => {
-  // Keys belong to the page around this frame, whichever of the two has the focus; those that move the focus stay here.
+  // Keys belong to the page around this frame, whichever of the two has the focus; those that move
+  // the focus stay here.
   const staying = /^(Tab|Enter|NumpadEnter|Shift|Control|Alt|Meta|F\\d|$)/;
   const framed = window.parent !== window;
   const fields = "input:not([type=checkbox]), textarea, select, [contenteditable=true]";
   const typing = (target) => target instanceof Element && target.matches(fields);
   const pass = (event) => {
-    if (!framed || staying.test(event.code) || event.ctrlKey || event.metaKey || event.altKey || typing(event.target)) return;
+    if (!framed || staying.test(event.code) || typing(event.target)) return;
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
     event.stopImmediatePropagation();
     const { code, key, repeat, shiftKey } = event;
-    const twin = new window.parent.KeyboardEvent(event.type, { code, key, repeat, shiftKey, bubbles: true, cancelable: true });
+    const pressed = { code, key, repeat, shiftKey, bubbles: true, cancelable: true };
+    const twin = new window.parent.KeyboardEvent(event.type, pressed);
     if (!window.parent.document.dispatchEvent(twin)) event.preventDefault();
   };
   window.addEventListener("keydown", pass, true);
@@ -343,15 +374,19 @@ FORWARD_KEYS = """
   window.addEventListener("blur", (event) => {
     if (framed && event.isTrusted) window.parent.dispatchEvent(new window.parent.Event("blur"));
   });
-  // viser reconnects only while it has the focus, which a frame seldom has: let being seen count instead.
+  // viser reconnects only while it has the focus, which a frame seldom has: let being seen count.
   document.hasFocus = () => document.visibilityState === "visible";
-  document.addEventListener("visibilitychange", () => window.dispatchEvent(new Event(document.hasFocus() ? "focus" : "blur")));
+  document.addEventListener("visibilitychange", () => {
+    window.dispatchEvent(new Event(document.hasFocus() ? "focus" : "blur"));
+  });
 })();
 """
 
 HIDE_PANEL = """
-/* viser's own panels: the page around has its own, and on a phone this one would lie under the thumbs */
-[data-floating-window], [data-dock-region], [data-dock-rail-root], .mantine-Paper-root, .mantine-Notification-root {
+/* viser's own panels: the page around has its own, and on a phone this one would lie under the
+   thumbs */
+[data-floating-window], [data-dock-region], [data-dock-rail-root], .mantine-Paper-root,
+.mantine-Notification-root {
   display: none !important;
 }
 """
@@ -365,7 +400,7 @@ def client_page() -> str:
     return (Path(viser.__file__).parent / "client" / "build" / "index.html").read_text("utf-8")
 
 
-def dressed(page: str, nonce: str) -> tuple[bytes, bool]:
+def embedded(page: str, nonce: str) -> tuple[bytes, bool]:
     """The client with our script and style in its head, and whether every script in it carries the
     nonce.
     """

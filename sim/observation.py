@@ -88,6 +88,7 @@ def _planner_fields(simulation: Simulation) -> dict[str, Any]:
         "course": planner.progress(walk.stance, running, (x, y, z, yaw)),
         "ahead": simulation.preview(running),
         "attitude": planner.attitude,
+        "capabilities": planner.capabilities,
     }
 
 

@@ -13,6 +13,7 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from walking_console.planner.protocols import Capabilities
 from walking_console.planner.robot.model import Machine
 from walking_console.planner.types import Command, GaitPreview, Mode, Point, StepPlan
 
@@ -42,6 +43,13 @@ COMMANDED = Sent(
         "crab_angle": Sent("crab_angle_rad", example=0.0),
         "speed": Sent("speed_m_s", "commanded", 0.1),
         "turn_rate": Sent("turn_rate_rad_s", example=0.0),
+    }
+)
+DECLARED = Sent(
+    parts={
+        "may_lean": Sent("", "the planner lets the body follow the ground", True),
+        "turns": Sent("may_turn", "the planner takes a turn rate", True),
+        "follows_trace": Sent("", "the planner walks along a trace", False),
     }
 )
 FEET_SHOWN = [[1.7, 0.5, 0.0], [0.8, 0.5, 0.0], [0.8, -0.5, 0.0], [1.7, -0.5, 0.05]]
@@ -118,6 +126,8 @@ class Snapshot:
     course: Annotated[
         float, Sent("course_m", "s of the body on its trace (trace planner)", 0.0)
     ] = 0.0
+    # what the planner declares for its mode
+    capabilities: Annotated[Capabilities, DECLARED] = Capabilities()
     # what the trace walker foresees; the same object until it foresees something else
     ahead: Annotated[GaitPreview | None, INSIDE] = None
     # why the running step, or why there is none, where the console keeps it

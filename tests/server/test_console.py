@@ -1,4 +1,4 @@
-"""The console without a clock: requests, edits of the ground, pushes, resets."""
+"""The console without a loop: requests, edits of the ground, pushes, resets."""
 
 import math
 

@@ -20,8 +20,9 @@ from walking_console.server.frames import (
     wire_fields,
 )
 from walking_console.sim.scenario import load_scenario
-from walking_console.sim.simulation import Simulation, World, prepare
+from walking_console.sim.simulation import Simulation
 from walking_console.sim.snapshot import INSIDE, Sent, Snapshot
+from walking_console.sim.world import World, prepare
 
 # What pages and scripts have been promised: a key may be added, never changed.
 PROMISED = """type tick time_s mode posture reason scenario robot planner planner_mode attitude body feet
@@ -43,7 +44,7 @@ def walking(world: World) -> Simulation:
     simulation = Simulation(world)
     simulation.order(Command(0.2, 0.08, 0.01))
     for _ in range(60):
-        simulation.tick()
+        simulation.step()
     return simulation
 
 

@@ -11,14 +11,9 @@ from importlib import resources
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
-from walking_console.server.cli import app
+from tests.server.command_line import called
 from walking_console.server.run_jobs import toml
-
-
-def called(*arguments):
-    return CliRunner().invoke(app, [str(argument) for argument in arguments])
 
 
 def is_refused(result) -> str:

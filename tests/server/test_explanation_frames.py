@@ -6,10 +6,10 @@ import pytest
 from fastapi.testclient import TestClient
 
 from walking_console.planner.types import Command
-from walking_console.server.api.app import Settings, create_app
+from walking_console.server.api.app import create_app
+from walking_console.server.api.state import AppSettings
 from walking_console.server.explanation_frames import CANDIDATES_SHOWN, ahead_frame, decision_frame
-from walking_console.server.realtime_loop import WalkingClock
-from walking_console.server.schemas import painted
+from walking_console.server.realtime_loop import RealtimeLoop
 from walking_console.sim.scenario import load_scenario, scenario_from
 from walking_console.sim.simulation import Simulation
 from walking_console.sim.world import prepare
@@ -105,29 +105,10 @@ def test_a_trace_walker_tells_what_it_foresees_in_a_few_kilobytes() -> None:
 
 
 def test_pages_and_rest_are_told_once_for_every_change() -> None:
-    clock = WalkingClock(hexapod())
-    with TestClient(create_app(clock, Settings()), base_url=HERE["origin"]) as client:
+    loop = RealtimeLoop(hexapod())
+    with TestClient(create_app(loop, AppSettings()), base_url=HERE["origin"]) as client:
         assert client.get("/api/v1/console/ahead").json()["type"] == "ahead"
         assert client.get("/api/v1/console/decision").json()["type"] == "decision"
         with client.websocket_connect("ws://127.0.0.1:8000/drive", headers=HERE) as socket:
             kinds = [socket.receive_json()["type"] for _ in range(5)]
             assert kinds == ["hello", "lease", "snapshot", "ahead", "decision"]
-
-
-def test_a_touch_of_a_brush_is_a_terrain_edit() -> None:
-    lowered = painted("lower", 1.0, 2.0, 0.12)
-    assert lowered.action == "raise" and lowered.amount_m is not None and lowered.amount_m < 0.0
-    assert painted("dig", 1.0, 2.0, 0.12).amount_m is None
-
-
-def test_a_scenario_is_loaded_with_another_mode(client: TestClient) -> None:
-    assert (
-        client.put("/api/v1/console/scenario", json={"name": "flat", "mode": "paper"}).json()[
-            "planner_mode"
-        ]
-        == "paper"
-    )
-    assert (
-        client.put("/api/v1/console/scenario", json={"name": "flat", "mode": "bold"}).status_code
-        == 422
-    )

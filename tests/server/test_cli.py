@@ -12,23 +12,9 @@ from hashlib import blake2b
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
-from walking_console.server.cli import app
-
-SHORT = ("--set", "end={time=4.0}", "--set", "expect={}")
-
-
-def called(*arguments):
-    return CliRunner().invoke(app, [str(argument) for argument in arguments])
-
-
-@pytest.fixture(scope="module")
-def run_directory(tmp_path_factory):
-    out = tmp_path_factory.mktemp("runs") / "flat"
-    result = called("run", "flat", "--out", out, *SHORT)
-    assert result.exit_code == 0, result.output
-    return out
+from tests.server.command_line import SHORT, called
+from walking_console.sim.runs.runner import product_version
 
 
 def test_a_run_writes_the_whole_run_directory(run_directory):
@@ -213,45 +199,6 @@ def test_what_can_be_named_is_listed_with_a_line_each(listed, known):
     assert all(len(line.split()) >= 3 for line in lines.values())
 
 
-@pytest.mark.parametrize("form", ["csv", "npz", "mcap"])
-def test_a_log_is_written_in_another_form(run_directory, tmp_path, form):
-    out = tmp_path / f"log.{form}"
-    result = called("export", run_directory, "--to", form, "--out", out)
-    assert result.exit_code == 0, result.output
-    if form == "csv":
-        lines = out.read_text().splitlines()
-        assert len(lines) == 201
-        assert lines[0].startswith("t_s,x_m,y_m,z_m,roll_rad")
-    elif form == "npz":
-        with np.load(out, allow_pickle=False) as file:
-            assert file["body"].shape == (200, 6) and file["terrain_heights"].ndim == 2
-    else:
-        from mcap.reader import make_reader
-
-        with out.open("rb") as stream:
-            ticks = [
-                json.loads(message.data)
-                for _, channel, message in make_reader(stream).iter_messages()
-                if channel.topic == "/tick"
-            ]
-        assert len(ticks) == 200 and ticks[-1]["t"] == pytest.approx(4.0)
-
-
-def test_a_run_is_written_as_one_page_that_needs_no_other_file(run_directory, tmp_path):
-    out = tmp_path / "replay.html"
-    assert called("export", run_directory, "--to", "html", "--out", out).exit_code == 0
-    page = out.read_text("utf-8")
-    assert "__VISER_EMBED_DATA__" in page
-    assert len(page) > 800_000
-
-
-def test_an_unknown_form_and_a_missing_run_are_refused(run_directory, tmp_path):
-    result = called("export", run_directory, "--to", "pdf")
-    assert result.exit_code == 2 and "there are: csv, npz, html, mcap" in result.stderr
-    result = called("replay", tmp_path)
-    assert result.exit_code == 2 and "no run.json" in result.stderr
-
-
 def test_bench_prints_its_figures_and_writes_them_as_json(tmp_path, monkeypatch):
     monkeypatch.setattr("walking_console.sim.runs.benchmark.ROUNDS", 1)
     out = tmp_path / "bench.json"
@@ -260,3 +207,86 @@ def test_bench_prints_its_figures_and_writes_them_as_json(tmp_path, monkeypatch)
     figures = json.loads(out.read_text())["figures"]
     assert all(entry["value"] > 0 for entry in figures.values())
     assert any("Level C" in name for name in figures)
+
+
+def test_the_version_is_printed():
+    result = called("--version")
+    assert result.exit_code == 0
+    assert result.stdout.strip() == f"walking-console {product_version()}"
+
+
+def test_without_an_out_directory_the_next_free_number_is_taken(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for number in (1, 2):
+        result = called("run", "flat", "--set", "end={time=0.5}", "--set", "expect={}")
+        assert result.exit_code == 0, result.output
+        assert (tmp_path / "runs" / f"flat-000{number}" / "run.json").is_file()
+        assert f"runs/flat-000{number}" in result.stdout
+
+
+def test_a_run_that_is_bad_input_makes_no_directory(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert called("run", "flatt").exit_code == 2
+    assert not (tmp_path / "runs").exists()
+
+
+@pytest.fixture
+def served(monkeypatch):
+    """What the console was asked to serve, instead of serving it."""
+    asked = []
+    monkeypatch.setattr("walking_console.server.launch.serve", asked.append)
+    for name in VARIABLES:
+        monkeypatch.delenv(name, raising=False)
+    return asked
+
+
+VARIABLES = {
+    "WALKING_CONSOLE_HOST": ("host", "127.0.0.2", "--host"),
+    "WALKING_CONSOLE_PORT": ("port", "4321", "--port"),
+    "WALKING_CONSOLE_TOKEN": ("token", "k" * 40, "--token"),
+    "WALKING_CONSOLE_DATA": ("data", "elsewhere", "--data"),
+    "WALKING_CONSOLE_LOG_LEVEL": ("log_level", "info", "--log-level"),
+}
+
+
+@pytest.mark.parametrize("command", [(), ("serve",)])
+@pytest.mark.parametrize("name", VARIABLES)
+def test_a_variable_of_the_environment_sets_what_the_command_line_leaves_open(
+    served, monkeypatch, command, name
+):
+    field, value, _ = VARIABLES[name]
+    monkeypatch.setenv(name, value)
+    assert called(*command, "--no-open").exit_code == 0
+    assert str(getattr(served[0], field)) == value
+
+
+@pytest.mark.parametrize("name", VARIABLES)
+def test_the_command_line_wins_over_the_environment(served, monkeypatch, name):
+    field, value, option = VARIABLES[name]
+    monkeypatch.setenv(name, {"port": "1", "log_level": "error"}.get(field, "other"))
+    assert called("--no-open", option, value).exit_code == 0
+    assert str(getattr(served[0], field)) == value
+
+
+@pytest.mark.parametrize("command", [(), ("serve",)])
+def test_the_help_names_every_option_and_variable(command):
+    shown = " ".join(called(*command, "--help").stdout.split())
+    for name, (_, _, option) in VARIABLES.items():
+        assert name in shown.replace("- ", "-") and option in shown
+
+
+def test_without_a_command_the_words_are_those_of_serve(served):
+    assert called("--port", 4000, "--scenario", "river", "--sit-after", 2).exit_code == 0
+    assert called("serve", "--port", 4000, "--scenario", "river", "--sit-after", 2).exit_code == 0
+    assert served[0] == served[1]
+    assert served[0].scenario == "river" and served[0].open_page
+
+
+def test_an_unknown_command_is_refused_by_name():
+    result = called("fly")
+    assert result.exit_code == 2 and "fly" in result.stderr
+
+
+def test_a_level_of_talk_that_is_none_is_refused(served):
+    result = called("--log-level", "loud")
+    assert result.exit_code == 2 and "loud" in result.stderr and not served

@@ -1,7 +1,6 @@
-"""Scripted runs over HTTP: begun in a process of their own, followed, read, cancelled, limited."""
+"""Scripted runs over HTTP: begun in a process of their own, followed, read, cancelled."""
 
 import json
-import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -9,32 +8,36 @@ from typing import Any
 import pytest
 from fastapi.testclient import TestClient
 
-from walking_console.server import run_jobs as runs_module
-from walking_console.server.api.app import Settings, create_app
-from walking_console.server.realtime_loop import WalkingClock
-from walking_console.server.run_jobs import RUNS_AT_ONCE, Runs, toml
-from walking_console.sim.scenario import load_scenario, scenario_from, scenario_names
+from walking_console.server import child_process, run_jobs
+from walking_console.server.api.app import create_app
+from walking_console.server.api.state import AppSettings
+from walking_console.server.realtime_loop import RealtimeLoop
+from walking_console.server.run_jobs import RUNS_AT_ONCE, RunJobs
 
 HERE = "http://127.0.0.1:8000"
+
+
 SHORT = ["end={time=2.0}", "expect={}"]
+
+
 LONG = ["end={time=3600.0}", "drive=[]"]
 
 
 @pytest.fixture
-def running(clock: WalkingClock, tmp_path: Path) -> Iterator[tuple[TestClient, Runs]]:
-    app = create_app(clock, Settings(data=tmp_path))
+def running(loop: RealtimeLoop, tmp_path: Path) -> Iterator[tuple[TestClient, RunJobs]]:
+    app = create_app(loop, AppSettings(data=tmp_path))
     with TestClient(app, base_url=HERE) as client:
-        yield client, app.state.desk.runs
+        yield client, app.state.console.jobs
 
 
-def over(client: TestClient, runs: Runs, run_id: str) -> dict[str, Any]:
+def over(client: TestClient, runs: RunJobs, run_id: str) -> dict[str, Any]:
     """The state after the child has ended."""
     runs._jobs[run_id].process.wait(60)
     state: dict[str, Any] = client.get(f"/api/v1/runs/{run_id}").json()
     return state
 
 
-def test_a_run_is_begun_listed_followed_and_read(running: tuple[TestClient, Runs]) -> None:
+def test_a_run_is_begun_listed_followed_and_read(running: tuple[TestClient, RunJobs]) -> None:
     client, runs = running
     answer = client.post(
         "/api/v1/runs", json={"name": "flat", "settings": SHORT, "seed": 3, "trace_decisions": True}
@@ -56,7 +59,7 @@ def test_a_run_is_begun_listed_followed_and_read(running: tuple[TestClient, Runs
 
 
 def test_an_inline_scenario_runs_and_a_second_run_gets_its_own_name(
-    running: tuple[TestClient, Runs],
+    running: tuple[TestClient, RunJobs],
 ) -> None:
     client, runs = running
     inline = {"scenario": {"end": {"time": 1.0}}}
@@ -66,7 +69,7 @@ def test_an_inline_scenario_runs_and_a_second_run_gets_its_own_name(
 
 
 def test_a_run_is_cancelled_and_there_is_room_for_so_many_at_once(
-    running: tuple[TestClient, Runs],
+    running: tuple[TestClient, RunJobs],
 ) -> None:
     client, runs = running
     ids = [
@@ -83,17 +86,11 @@ def test_a_run_is_cancelled_and_there_is_room_for_so_many_at_once(
         assert over(client, runs, run_id)["state"] == "interrupted"
 
 
-def test_runs_of_a_console_that_was_ended_are_interrupted(tmp_path: Path) -> None:
-    (tmp_path / "jobs" / "flat-0001").mkdir(parents=True)
-    runs = Runs(tmp_path)
-    assert runs.state("flat-0001")["state"] == "interrupted"
-
-
 def test_a_run_that_fails_says_why(
-    running: tuple[TestClient, Runs], monkeypatch: pytest.MonkeyPatch
+    running: tuple[TestClient, RunJobs], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     client, runs = running
-    monkeypatch.setattr(runs_module, "COMMAND", (*runs_module.COMMAND, "no-such-command"))
+    monkeypatch.setattr(child_process, "COMMAND", (*child_process.COMMAND, "no-such-command"))
     run_id = client.post("/api/v1/runs", json={"name": "flat"}).json()["id"]
     state = over(client, runs, run_id)
     assert state["state"] == "failed" and state["reason"]
@@ -116,7 +113,7 @@ def test_a_run_that_fails_says_why(
     ids=json.dumps,
 )
 def test_a_run_that_makes_no_sense_is_refused_before_it_begins(
-    running: tuple[TestClient, Runs], body: dict[str, Any]
+    running: tuple[TestClient, RunJobs], body: dict[str, Any]
 ) -> None:
     client, runs = running
     answer = client.post("/api/v1/runs", json=body)
@@ -128,7 +125,9 @@ NAMES = ["nothing-0001", "..", "../x", "%2e%2e", "A", "a" * 65, "a.b", ".hidden"
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_no_name_leads_out_of_the_data_folder(running: tuple[TestClient, Runs], name: str) -> None:
+def test_no_name_leads_out_of_the_data_folder(
+    running: tuple[TestClient, RunJobs], name: str
+) -> None:
     client, _ = running
     for path in (f"/api/v1/runs/{name}", f"/api/v1/runs/{name}/run.json"):
         assert client.get(path).status_code in (404, 422)
@@ -146,7 +145,7 @@ def test_no_name_leads_out_of_the_data_folder(running: tuple[TestClient, Runs], 
     ],
 )
 def test_only_the_files_of_a_run_are_served(
-    running: tuple[TestClient, Runs], tmp_path: Path, name: str
+    running: tuple[TestClient, RunJobs], tmp_path: Path, name: str
 ) -> None:
     client, _ = running
     (tmp_path / "runs" / "flat-0001").mkdir(parents=True)
@@ -155,7 +154,7 @@ def test_only_the_files_of_a_run_are_served(
 
 
 def test_a_link_in_a_run_directory_is_not_followed(
-    running: tuple[TestClient, Runs], tmp_path: Path
+    running: tuple[TestClient, RunJobs], tmp_path: Path
 ) -> None:
     client, _ = running
     (tmp_path / "secret").write_text("secret")
@@ -165,22 +164,8 @@ def test_a_link_in_a_run_directory_is_not_followed(
 
 
 def test_without_room_no_run_begins(
-    running: tuple[TestClient, Runs], monkeypatch: pytest.MonkeyPatch
+    running: tuple[TestClient, RunJobs], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     client, _ = running
-    monkeypatch.setattr(runs_module, "SPACE_MIN", 1e18)
+    monkeypatch.setattr(run_jobs, "SPACE_MIN", 1e18)
     assert client.post("/api/v1/runs", json={"name": "flat"}).status_code == 507
-
-
-@pytest.mark.parametrize("name", scenario_names())
-def test_a_scenario_written_for_a_child_reads_back_the_same(name: str) -> None:
-    scenario = load_scenario(name)
-    assert scenario_from(tomllib.loads(toml(scenario.as_data())), Path()) == scenario
-
-
-@pytest.mark.parametrize("text", ['a"b', "a\\b", "a\nb", "ü€😀", "\x00\x1f\x7f", "", "]]"])
-def test_any_text_survives_as_toml(text: str) -> None:
-    assert tomllib.loads(toml({"key": text, "list": [text, {"odd key": text}]})) == {
-        "key": text,
-        "list": [text, {"odd key": text}],
-    }

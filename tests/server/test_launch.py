@@ -1,7 +1,6 @@
-"""The served console as a process: one URL line, one clear line for what is wrong, and an end in
-time.
-"""
+"""The served console as a process: one URL line, one clear line for what is wrong, an end in time."""
 
+import logging
 import re
 import signal
 import socket
@@ -16,7 +15,7 @@ import httpx
 import pytest
 from websockets.sync.client import connect
 
-from walking_console.server.launch import ServeError, check_token, is_loopback, listen, url_of
+from walking_console.server.launch import ServeOptions, log_to_stderr
 
 COMMAND = (sys.executable, "-m", "walking_console", "--no-open", "--scenario", "flat")
 
@@ -93,46 +92,28 @@ def test_beyond_loopback_it_refuses_to_start_without_a_token(tmp_path: Path) -> 
     )
 
 
-@pytest.mark.parametrize("token", ["", "short", "k" * 31, "k" * 40 + " ", "k" * 40 + ";", "ü" * 40])
-def test_a_token_that_is_too_short_or_odd_is_refused(token: str) -> None:
-    with pytest.raises(ServeError, match="at least 32"):
-        check_token("127.0.0.1", token)
+def test_the_names_it_answers_for_are_those_it_was_asked_to_listen_on() -> None:
+    alone = ServeOptions().app_settings()
+    assert alone.hosts == () and not alone.addresses
+    named = ServeOptions(host="robot.lan", token="k" * 40).app_settings()
+    assert named.hosts == ("robot.lan", socket.gethostname()) and named.addresses
+    anywhere = ServeOptions(host="0.0.0.0", token="k" * 40).app_settings()
+    assert anywhere.hosts == (socket.gethostname(),) and anywhere.token == "k" * 40
 
 
-def test_a_good_token_lets_it_listen_anywhere_with_a_warning(
+def test_what_happens_is_said_on_standard_error_from_the_chosen_level_on(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    check_token("0.0.0.0", "k" * 32)
-    assert "without TLS" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("host", "alone"),
-    [
-        ("127.0.0.1", True),
-        ("127.0.0.2", True),
-        ("localhost", True),
-        ("::1", True),
-        ("0.0.0.0", False),
-        ("10.0.0.1", False),
-        ("::", False),
-    ],
-)
-def test_loopback_is_known(host: str, alone: bool) -> None:
-    assert is_loopback(host) == alone
-
-
-def test_the_address_names_the_picked_port_and_carries_the_token() -> None:
-    with listen("127.0.0.1", 0) as listening:
-        port = listening.getsockname()[1]
-        assert port > 0 and listening.proto == socket.IPPROTO_TCP, (
-            "asyncio sets TCP_NODELAY only then"
-        )
-        assert url_of(listening, "127.0.0.1", None) == f"http://127.0.0.1:{port}"
-        assert url_of(listening, "0.0.0.0", "t") == f"http://127.0.0.1:{port}/login?token=t"
-
-
-@pytest.mark.parametrize("host", ["no.such.host.invalid", "203.0.113.1", "a" * 300])
-def test_an_address_that_cannot_be_had_is_said(host: str) -> None:
-    with pytest.raises(ServeError, match="cannot listen"):
-        listen(host, 0)
+    ours = logging.getLogger("walking_console")
+    before = ours.handlers[:], ours.level
+    ours.handlers.clear()
+    try:
+        log_to_stderr("info")
+        logging.getLogger("walking_console.server.launch").info("here")
+        logging.getLogger("walking_console.server.launch").debug("not here")
+    finally:
+        ours.handlers[:], _ = before
+        ours.setLevel(before[1])
+    told = capsys.readouterr()
+    assert told.out == "" and told.err.count("\n") == 1
+    assert "INFO walking_console.server.launch: here" in told.err

@@ -1,0 +1,182 @@
+"""The console: the newest snapshot, driving by script, pause and single ticks, another world,
+other ground.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+from fastapi import APIRouter
+from fastapi.responses import JSONResponse
+
+from walking_console.planner import registry
+from walking_console.sim.requests import Follow
+
+from ..explanation_frames import AheadFrame, DecisionFrame, ahead_frame, decision_frame
+from ..frames import SnapshotFrame
+from ..lease_reasons import LeaseRefusal
+from ..schemas import (
+    AdvanceBody,
+    AttitudeBody,
+    CommandBody,
+    PostureBody,
+    RateBody,
+    ScenarioBody,
+    TerrainBody,
+)
+from .errors import HTTPProblem
+from .scenario_choice import world_of
+from .state import AppState, ConsoleState
+from .terrain_edits import edit_under
+
+ADVANCE_TIME = 20.0  # s
+SWITCH_TIME = 1.0  # s for a pause to show
+
+router = APIRouter(prefix="/api/v1/console", tags=["console"])
+
+
+def _or_refuse(why: LeaseRefusal | None) -> None:
+    if why is not None:
+        raise HTTPProblem(409, why.text)
+
+
+def _snapshot(state: AppState) -> JSONResponse:
+    return JSONResponse(state.frame())
+
+
+@router.get("", response_model=SnapshotFrame)
+async def newest(state: ConsoleState) -> JSONResponse:
+    """The newest snapshot."""
+    return _snapshot(state)
+
+
+@router.get("/ahead")
+async def ahead(state: ConsoleState) -> AheadFrame | None:
+    """What a trace walker foresees; null for any other."""
+    return ahead_frame(state.loop.newest)
+
+
+@router.get("/decision")
+async def decision(state: ConsoleState) -> DecisionFrame | None:
+    """Why the running step, or why there is none; null while it stands and nothing was refused."""
+    return decision_frame(state.loop.newest)
+
+
+@router.put("/command", status_code=202)
+async def command(body: CommandBody, state: ConsoleState) -> dict[str, Any]:
+    """Drive for at most `ttl_s`; repeat it to go on. Refused (409) while a page drives or after a
+    stop.
+    """
+    _or_refuse(state.lease.command(body.command(), body.ttl_s))
+    return {"tick": state.loop.newest.tick, "ttl_s": body.ttl_s}
+
+
+@router.post("/posture", status_code=202)
+async def posture(body: PostureBody, state: ConsoleState) -> dict[str, Any]:
+    """Stop, then sit down, stand up, or take the standard posture. Refused (409) while a page
+    drives, after a stop, or fallen.
+    """
+    _or_refuse(state.lease.take_posture(body.posture))
+    return {"tick": state.loop.newest.tick, "posture": body.posture}
+
+
+@router.put("/attitude", status_code=202)
+async def attitude(body: AttitudeBody, state: ConsoleState) -> dict[str, Any]:
+    """The body level, or leaning with the ground. Refused (409) for a planner that walks level
+    only.
+    """
+    now = state.loop.newest
+    if body.attitude != "level" and not now.capabilities.may_lean:
+        able = registry.spoken(registry.choices_that(lambda planner: planner.may_lean))
+        raise HTTPProblem(409, f"the body follows the ground only with {able}")
+    state.loop.request(Follow(body.attitude))
+    return {"tick": now.tick, "attitude": body.attitude}
+
+
+@router.post("/stop")
+async def stop(state: ConsoleState) -> dict[str, Any]:
+    """Stop, until `rearm`. Anybody may."""
+    state.lease.stop()
+    state.wake()
+    return {"stopped": True}
+
+
+@router.post("/rearm")
+async def rearm(state: ConsoleState) -> dict[str, Any]:
+    """End a stop; refused (409) while a page drives: it must do so itself."""
+    _or_refuse(state.lease.rearm())
+    state.wake()
+    return {"stopped": False}
+
+
+@router.post("/reset", response_model=SnapshotFrame)
+async def reset(state: ConsoleState) -> JSONResponse:
+    """Back to the start of the scenario; also forgives a fault. A stop stays."""
+    before = state.loop.newest
+    state.lease.hold()
+    state.loop.reset()
+    await state.until_another_world(before)
+    return _snapshot(state)
+
+
+@router.post("/pause", response_model=SnapshotFrame)
+async def pause(state: ConsoleState) -> JSONResponse:
+    """Stop simulated time."""
+    loop = state.loop
+    loop.pause()
+    await state.until(lambda: loop.newest.paused or loop.fault, SWITCH_TIME)
+    return _snapshot(state)
+
+
+@router.post("/resume", response_model=SnapshotFrame)
+async def resume(state: ConsoleState) -> JSONResponse:
+    """Let simulated time go on; whoever drove must let go of the stick first."""
+    loop = state.loop
+    state.lease.hold()
+    loop.resume()
+    await state.until(lambda: not loop.newest.paused or loop.fault, SWITCH_TIME)
+    return _snapshot(state)
+
+
+@router.post("/advance", response_model=SnapshotFrame)
+async def advance(body: AdvanceBody, state: ConsoleState) -> JSONResponse:
+    """Walk so many ticks; needs the paused state (409)."""
+    pace = state.loop.pace
+    if not pace.paused:
+        raise HTTPProblem(409, "advance needs the paused state")
+    pace.advance(body.ticks)
+    if not await state.until(lambda: pace.owed == 0, ADVANCE_TIME):
+        raise HTTPProblem(503, f"{pace.owed} ticks are still to be walked")
+    return _snapshot(state)
+
+
+@router.post("/rate")
+async def rate(body: RateBody, state: ConsoleState) -> dict[str, Any]:
+    """1 to 8 times real time; a held command must be given again."""
+    if body.rate != state.loop.pace.rate:
+        state.lease.hold()
+        state.loop.set_rate(body.rate)
+    return {"rate": body.rate}
+
+
+@router.put("/scenario", response_model=SnapshotFrame)
+async def scenario(body: ScenarioBody, state: ConsoleState) -> JSONResponse:
+    """Load a scenario by name or inline. The machine holds; the old world walks on until the new
+    one is made.
+    """
+    async with state.loads:
+        world = await asyncio.to_thread(world_of, body)
+        before = state.loop.newest
+        state.lease.hold()
+        state.loop.load(world)
+        await state.until_another_world(before)
+    return _snapshot(state)
+
+
+@router.patch("/terrain")
+async def terrain(body: TerrainBody, state: ConsoleState) -> dict[str, Any]:
+    """Dig a hole, raise or lower, forbid or clear cells."""
+    edit = edit_under(body, state.loop.newest.terrain)
+    state.loop.request(edit)
+    return {"action": edit.action, "cells": len(edit.cells)}

@@ -1,0 +1,210 @@
+"""``WS /drive``: commands in, snapshots out. One ``DriveSocket`` per page: one task hears, one
+shows; a slow page misses snapshots, nobody else does.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import secrets
+from collections import deque
+from collections.abc import AsyncIterator
+
+from fastapi import APIRouter, WebSocket
+from starlette.types import Message
+from starlette.websockets import WebSocketDisconnect
+
+from walking_console.planner.types import TICK
+from walking_console.sim.runs.runner import product_version
+from walking_console.sim.snapshot import Snapshot
+
+from ..control_lease import DEAD_MAN
+from ..explanation_frames import ahead_frame, decision_frame
+from ..frames import HelloFrame, LeaseFrame, RefusedFrame, as_text
+from ..problems import problem
+from ..schemas import BadFrame, read_frame
+from ..sessions import TooFast
+from .state import AppState, ConsoleState
+
+FRAME_MAX = 4096  # bytes of one frame on /drive
+DRIVERS_MAX = 32  # sockets on /drive
+SHOW_RATE = 30.0  # Hz, snapshots to one page at most
+SEND_TIME = 5.0  # s a page may take for one snapshot before it is cut
+CLOSE_TIME = 1.0  # s a closing socket is waited for
+REFUSALS_KEPT = 16
+NOTHING_AHEAD = as_text({"type": "ahead"})
+GONE = (TimeoutError, WebSocketDisconnect, RuntimeError, OSError)
+
+router = APIRouter()
+
+
+@router.websocket("/drive")
+async def drive(socket: WebSocket, state: ConsoleState) -> None:
+    """Carry one page until it goes."""
+    if len(state.drivers) >= DRIVERS_MAX:
+        await socket.send_denial_response(problem(503, f"{DRIVERS_MAX} sockets are open already"))
+        return
+    await DriveSocket(socket, state).carry()
+
+
+class CloseWith(Exception):
+    """The socket is to be closed with this code."""
+
+    def __init__(self, code: int, reason: str) -> None:
+        super().__init__(reason)
+        self.code = code
+
+
+class DriveSocket:
+    """One page's socket: its session, what it was refused, and what it has been shown."""
+
+    def __init__(self, socket: WebSocket, state: AppState) -> None:
+        self._socket = socket
+        self._state = state
+        self._lease = state.lease
+        self.name = secrets.token_hex(3)
+        self._session = state.lease.open(self.name)
+        self._refused: deque[RefusedFrame] = deque(maxlen=REFUSALS_KEPT)
+        self._revision = -1  # of the lease, as last said
+        self._text = ""  # the snapshot last shown
+        self._ahead: object = None  # the foresight last shown
+        self._decision: object = None  # the decision last shown
+
+    async def carry(self) -> None:
+        """Greet, then hear and show until the page goes."""
+        self._state.drivers.add(self.name)
+        try:
+            await self._socket.accept()
+            await self._greet()
+            async with self._showing():
+                await self._hear()
+        except (WebSocketDisconnect, RuntimeError):
+            pass  # gone while something was being sent
+        finally:
+            self._lease.close(self._session)
+            self._state.drivers.discard(self.name)
+            self._state.wake()
+
+    async def _greet(self) -> None:
+        hello = HelloFrame(
+            version=product_version(), lease_id=self.name, dead_man_s=DEAD_MAN, tick_s=TICK
+        )
+        await self._socket.send_text(hello.model_dump_json())
+
+    @contextlib.asynccontextmanager
+    async def _showing(self) -> AsyncIterator[None]:
+        """Show meanwhile; at the end the machine holds before anything that waits."""
+        showing = asyncio.create_task(self._show())
+        try:
+            yield
+        finally:
+            self._lease.close(self._session)
+            showing.cancel()
+            await asyncio.gather(showing, return_exceptions=True)
+
+    # up
+
+    async def _hear(self) -> None:
+        """Every frame, until the page goes, floods or sends what is no frame."""
+        try:
+            while True:
+                message = await self._socket.receive()
+                if message["type"] == "websocket.disconnect":
+                    return
+                self._handle(self._text_of(message))
+        except CloseWith as end:
+            self._lease.close(self._session)
+            await self._socket.close(end.code, str(end))
+
+    def _text_of(self, message: Message) -> str:
+        """One frame's text; raises ``CloseWith`` for what ends a socket."""
+        try:
+            self._lease.count(self._session)
+        except TooFast as error:
+            raise CloseWith(1008, str(error)) from None
+        text: str | None = message.get("text")
+        if text is None:
+            raise CloseWith(1003, "text frames only")
+        if len(text.encode("utf-8", "replace")) > FRAME_MAX:
+            raise CloseWith(1009, f"a frame may have {FRAME_MAX} bytes")
+        return text
+
+    def _handle(self, text: str) -> None:
+        """Do what a frame asks, or note why not."""
+        revision = self._lease.revision
+        refused = self._refusal_of(text)
+        if refused is not None:
+            self._refused.append(refused)
+        if refused is not None or self._lease.revision != revision:
+            self._state.wake()
+
+    def _refusal_of(self, text: str) -> RefusedFrame | None:
+        try:
+            frame = read_frame(text)
+        except BadFrame as error:
+            self._lease.refusals += 1
+            return RefusedFrame(seq=error.seq, code="bad_frame", reason=str(error))
+        why = self._lease.handle(self._session, frame)
+        if why is None:
+            return None
+        return RefusedFrame(seq=getattr(frame, "seq", None), code=why.reason, reason=why.text)
+
+    # down
+
+    async def _show(self) -> None:
+        """Who drives, what was refused and the newest snapshot."""
+        try:
+            while True:
+                await self._show_refusals()
+                await self._show_lease()
+                await self._show_snapshot()
+                await asyncio.sleep(1.0 / SHOW_RATE)
+                if self._up_to_date():
+                    await self._next_change()
+        except GONE:
+            self._lease.close(self._session)
+            with contextlib.suppress(*GONE):
+                await asyncio.wait_for(self._socket.close(1008, "too slow"), CLOSE_TIME)
+
+    def _up_to_date(self) -> bool:
+        shown = self._state.text() is self._text and self._revision == self._lease.revision
+        return shown and not self._refused
+
+    async def _next_change(self) -> None:
+        assert self._state.changes is not None
+        await self._state.changes.wait()
+
+    async def _show_refusals(self) -> None:
+        while self._refused:
+            await self._send(self._refused.popleft().model_dump_json())
+
+    async def _show_lease(self) -> None:
+        holder = self._lease.holder  # asking may end a lease that has been silent
+        if self._revision != self._lease.revision:
+            self._revision = self._lease.revision
+            held = self._lease.holds(self._session)
+            lease = LeaseFrame(held=held, holder=holder, stopped=self._lease.stopped)
+            await self._send(lease.model_dump_json())
+
+    async def _show_snapshot(self) -> None:
+        text = self._state.text()
+        if text is not self._text:
+            self._text = text
+            await self._send(text)
+            await self._show_explanations(self._state.loop.newest)
+
+    async def _show_explanations(self, newest: Snapshot) -> None:
+        """What is foreseen and why it was decided, when it is another than before."""
+        if newest.ahead is not self._ahead:
+            self._ahead = newest.ahead
+            ahead = ahead_frame(newest)
+            await self._send(NOTHING_AHEAD if ahead is None else ahead.model_dump_json())
+        if newest.decision is not None and newest.decision is not self._decision:
+            self._decision = newest.decision
+            decision = decision_frame(newest)
+            assert decision is not None
+            await self._send(decision.model_dump_json())
+
+    async def _send(self, text: str) -> None:
+        async with asyncio.timeout(SEND_TIME):
+            await self._socket.send_text(text)

@@ -1,0 +1,67 @@
+"""Every way a request can fail, as problem+json."""
+
+from __future__ import annotations
+
+import logging
+import secrets
+from typing import Any
+
+from fastapi import FastAPI, HTTPException, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import Response
+from starlette.exceptions import HTTPException as StarletteHTTPException
+
+from ..problems import ERRORS_SHOWN, problem
+
+OUTER_PLACES = ("body", "query", "path")  # what a fault's place begins with and nobody needs
+
+log = logging.getLogger(__name__)
+
+
+class HTTPProblem(HTTPException):
+    """A refusal; with ``field``, the value and the limit that problem+json wants."""
+
+    def __init__(
+        self, status: int, detail: str, *, field: str = "", value: Any = None, limit: Any = None
+    ) -> None:
+        super().__init__(status, detail)
+        told = {"field": field, "value": value, "limit": limit, "message": detail}
+        self.errors: list[dict[str, Any]] = [told] if field else []
+
+
+def add_error_answers(app: FastAPI) -> None:
+    """Whatever goes wrong in a route of this app, its client is told so."""
+    app.add_exception_handler(RequestValidationError, _say_invalid)
+    app.add_exception_handler(StarletteHTTPException, _say_refused)
+    app.add_exception_handler(Exception, _say_failed)
+
+
+async def _say_invalid(_: Request, error: Exception) -> Response:
+    assert isinstance(error, RequestValidationError)
+    faults = [_fault(found) for found in error.errors()[:ERRORS_SHOWN]]
+    return problem(422, f"{faults[0]['field']}: {faults[0]['message']}", faults)
+
+
+def _fault(found: dict[str, Any]) -> dict[str, Any]:
+    """Field, value and limit of one thing that is wrong with a body."""
+    place = [str(part) for part in found["loc"] if part not in OUTER_PLACES]
+    limits = {key: value for key, value in (found.get("ctx") or {}).items() if key != "error"}
+    return {
+        "field": ".".join(place) or "body",
+        "value": found.get("input"),
+        "limit": limits or None,
+        "message": found["msg"],
+    }
+
+
+async def _say_refused(_: Request, error: Exception) -> Response:
+    assert isinstance(error, StarletteHTTPException)
+    headers = dict(error.headers) if error.headers else None
+    errors = error.errors if isinstance(error, HTTPProblem) else ()
+    return problem(error.status_code, str(error.detail), errors, headers)
+
+
+async def _say_failed(_: Request, error: Exception) -> Response:
+    trace = secrets.token_hex(4)
+    log.error("trace %s", trace, exc_info=error)
+    return problem(500, f"the console failed; its log has trace {trace}")

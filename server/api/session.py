@@ -1,0 +1,30 @@
+"""The token's way into a browser: the printed address keeps it in a cookie."""
+
+from __future__ import annotations
+
+import secrets
+from typing import Annotated
+
+from fastapi import APIRouter, Query
+from fastapi.responses import RedirectResponse, Response
+
+from ..request_guard import COOKIE, LOGIN
+from .errors import HTTPProblem
+from .state import ConsoleState
+
+router = APIRouter(include_in_schema=False)
+
+
+@router.get(LOGIN)
+async def login(
+    state: ConsoleState, shown: Annotated[str, Query(alias="token", max_length=500)] = ""
+) -> Response:
+    """The printed address: keeps the token in a cookie that no script and no other page gets,
+    and goes on to the page.
+    """
+    token = state.settings.token
+    if token is None or not secrets.compare_digest(shown.encode(), token.encode()):
+        raise HTTPProblem(401, "this is not the token")
+    answer = RedirectResponse("/", 303)
+    answer.set_cookie(COOKIE, token, httponly=True, samesite="strict", path="/")
+    return answer

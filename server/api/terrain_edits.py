@@ -1,0 +1,71 @@
+"""Terrain edits as they come in, as requests to the simulation."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from walking_console.sim.requests import EDIT_CELLS_MAX, Edit
+from walking_console.sim.snapshot import TerrainView
+from walking_console.sim.terrain.areas import Cells, cells_in_circle, cells_in_rectangle
+
+from ..schemas import CircleArea, RectangleArea, TerrainBody
+from .errors import HTTPProblem
+
+BRUSH_AMOUNT = 0.05  # m, one touch of the page's brush
+
+
+def painted(brush: str, x: float, y: float, radius: float) -> TerrainBody:
+    """One touch of a brush on the page: dig, raise, lower, forbid or clear a circle."""
+    amount = {"raise": BRUSH_AMOUNT, "lower": -BRUSH_AMOUNT}.get(brush)
+    body: dict[str, Any] = {
+        "action": "raise" if brush == "lower" else brush,
+        "circle": {"x_m": x, "y_m": y, "radius_m": radius},
+        "amount_m": amount,
+    }
+    return TerrainBody.model_validate(body)
+
+
+def edit_under(body: TerrainBody, terrain: TerrainView) -> Edit:
+    """A terrain edit by its cells; raises ``HTTPProblem`` when it is not on the map."""
+    return Edit(body.action, _cells_of(body, terrain), body.amount_m or 0.0)
+
+
+def _cells_of(body: TerrainBody, terrain: TerrainView) -> Cells:
+    if body.circle is not None:
+        return _covered("circle", _in_circle(body.circle, terrain))
+    if body.rectangle is not None:
+        return _covered("rectangle", _in_rectangle(body.rectangle, terrain))
+    assert body.cells is not None
+    return _on_the_map(body.cells, terrain)
+
+
+def _in_circle(area: CircleArea, terrain: TerrainView) -> Cells:
+    return cells_in_circle(terrain, area.x_m, area.y_m, area.radius_m)
+
+
+def _in_rectangle(area: RectangleArea, terrain: TerrainView) -> Cells:
+    high = (area.x_m + area.width_m, area.y_m + area.depth_m)
+    return cells_in_rectangle(terrain, (area.x_m, area.y_m), high)
+
+
+def _covered(name: str, cells: Cells) -> Cells:
+    """Some of the map and not too much of it."""
+    if 1 <= len(cells) <= EDIT_CELLS_MAX:
+        return cells
+    limit = {"ge": 1, "le": EDIT_CELLS_MAX}
+    detail = f"{name} covers {len(cells)} cells of the map; it must cover 1 to {EDIT_CELLS_MAX}"
+    raise HTTPProblem(422, detail, field=name, value=len(cells), limit=limit)
+
+
+def _on_the_map(cells: list[list[int]], terrain: TerrainView) -> Cells:
+    ny, nx = terrain.heights.shape
+    for row, column in cells:
+        if row >= ny or column >= nx:
+            raise HTTPProblem(
+                422,
+                f"cell [{row}, {column}] is not on the map of {ny} rows and {nx} columns",
+                field="cells",
+                value=[row, column],
+                limit={"rows": ny, "columns": nx},
+            )
+    return tuple((row, column) for row, column in cells)

@@ -1,0 +1,54 @@
+"""Child processes of the console: this program again, and nothing else that lies about.
+
+``-P`` keeps the working directory off the module path, the environment loses what would put it
+back, and the child works in a folder of ours: a ``numpy.py`` beside the user's data is never run.
+The token of the console stays with the console.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import IO
+
+COMMAND = (sys.executable, "-P", "-m", "walking_console")
+SECRET = "WALKING_CONSOLE_TOKEN"
+NICENESS = 10  # the walk on the screen goes first
+
+
+def start_child(
+    arguments: Sequence[str],
+    folder: Path,
+    output: IO[bytes] | int = subprocess.DEVNULL,
+    errors: IO[bytes] | int = subprocess.DEVNULL,
+) -> subprocess.Popen[bytes]:
+    """Begin ``walking-console ARGUMENTS`` in ``folder``; paths in the arguments are absolute."""
+    child = subprocess.Popen(
+        [*COMMAND, *arguments],
+        cwd=folder,
+        env=_environment(),
+        stdin=subprocess.DEVNULL,
+        stdout=output,
+        stderr=errors,
+        start_new_session=True,
+    )
+    try:
+        os.setpriority(os.PRIO_PROCESS, child.pid, NICENESS)
+    except (OSError, AttributeError):
+        pass  # it has ended already, or this system has no such call
+    return child
+
+
+def _environment() -> dict[str, str]:
+    """Ours, without the token and without a module path that leads to the working directory."""
+    kept = {name: value for name, value in os.environ.items() if name != SECRET}
+    here = Path.cwd()
+    named = kept.pop("PYTHONPATH", "").split(os.pathsep)
+    folders = [Path(name).resolve() for name in named if name]
+    elsewhere = [str(folder) for folder in folders if folder != here]
+    if elsewhere:
+        kept["PYTHONPATH"] = os.pathsep.join(elsewhere)
+    return kept | {"PYTHONSAFEPATH": "1"}

@@ -1,0 +1,71 @@
+"""One socket's part in driving: its last number, its stick, its allowance of frames."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from .lease_reasons import LeaseReason, LeaseRefusal, refusal
+from .schemas import DriveFrame, PostureFrame
+
+FRAMES_PER_SECOND = 100.0
+FRAME_BURST = 50.0
+# what five seconds without a link may hold back and deliver at once
+FRAME_BURST_AFTER_SILENCE = 500.0
+
+
+class TooFast(Exception):
+    """A socket that sends more than it may; it is to be closed."""
+
+
+@dataclass(eq=False)
+class Session:
+    """One socket's part in driving: its last number, its stick, its allowance of frames."""
+
+    name: str
+    sequence: int = -1
+    centred: bool = True  # the stick as last seen
+    must_centre: bool = False  # no motion before the stick has been seen at rest
+    heard: float = 0.0  # s, last frame of any kind
+    driven: float = 0.0  # s, last accepted drive frame
+    moving: bool = False  # whether that one asked for motion
+    allowance: float = FRAME_BURST
+    counted: float = 0.0  # s, when the allowance was last drawn on
+
+    def count(self, now: float) -> None:
+        """Take one frame out of the allowance; raises ``TooFast`` when there is none left."""
+        earned = (now - self.counted) * FRAMES_PER_SECOND
+        ceiling = max(FRAME_BURST, min(earned, FRAME_BURST_AFTER_SILENCE))
+        self.allowance = max(self.allowance, min(ceiling, self.allowance + earned)) - 1.0
+        self.counted = self.heard = now
+        if self.allowance < 0.0:
+            raise TooFast(f"more than {FRAMES_PER_SECOND:g} frames a second")
+
+    def freeze(self) -> None:
+        """A stick left pressed moves nothing until it has been seen at rest."""
+        self.must_centre = not self.centred
+        self.moving = False
+
+    def lose_touch(self) -> None:
+        """Its motion has lapsed: it must be seen at rest before the next."""
+        if self.moving:
+            self.must_centre = True
+        self.moving = False
+
+    def let_go(self) -> None:
+        """The stick is at rest."""
+        self.centred = True
+        self.must_centre = False
+        self.moving = False
+
+    def age_of_picture(
+        self, frame: DriveFrame | PostureFrame, age_of: Callable[[int], float | None]
+    ) -> float | LeaseRefusal:
+        """How old the picture is that a frame answers, s; or why the frame is none of this
+        moment.
+        """
+        if frame.seq <= self.sequence:
+            return refusal(LeaseReason.OUT_OF_ORDER, seq=frame.seq, last=self.sequence)
+        self.sequence = frame.seq
+        age = age_of(frame.echo_tick)
+        return refusal(LeaseReason.NOT_SHOWN, tick=frame.echo_tick) if age is None else age

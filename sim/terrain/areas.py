@@ -1,0 +1,52 @@
+"""Cells of the ground under a circle or a rectangle."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from walking_console.sim.snapshot import TerrainView
+
+Cells = tuple[tuple[int, int], ...]  # (row, column)
+Indices = NDArray[np.intp]
+
+
+def cells_in_rectangle(
+    terrain: TerrainView, low: tuple[float, float], high: tuple[float, float]
+) -> Cells:
+    """Every cell of the map that the rectangle from ``low`` to ``high`` (x, y in m) touches."""
+    rows, columns = _touched(terrain, low, high)
+    return _pairs(rows.ravel(), columns.ravel())
+
+
+def cells_in_circle(terrain: TerrainView, x: float, y: float, radius: float) -> Cells:
+    """The cells of the map whose centres are within ``radius`` (m) of a point."""
+    rows, columns = _touched(terrain, (x - radius, y - radius), (x + radius, y + radius))
+    dx = terrain.origin[0] + (columns + 0.5) * terrain.cell - x
+    dy = terrain.origin[1] + (rows + 0.5) * terrain.cell - y
+    inside = dx * dx + dy * dy <= radius**2
+    return _pairs(rows[inside], columns[inside])
+
+
+def _touched(
+    terrain: TerrainView, low: tuple[float, float], high: tuple[float, float]
+) -> tuple[Indices, Indices]:
+    """Rows and columns of the cells that a rectangle touches, each (rows, columns)."""
+    ny, nx = terrain.heights.shape
+    columns = _span(low[0], high[0], terrain.origin[0], terrain.cell, nx)
+    rows = _span(low[1], high[1], terrain.origin[1], terrain.cell, ny)
+    in_rows, in_columns = np.meshgrid(rows, columns, indexing="ij")
+    return in_rows, in_columns
+
+
+def _span(low: float, high: float, origin: float, cell: float, count: int) -> Indices:
+    """Indices along one axis, those on the map."""
+    first = max(0, math.floor((low - origin) / cell))
+    last = min(count - 1, math.floor((high - origin) / cell))
+    return np.arange(first, last + 1)
+
+
+def _pairs(rows: Indices, columns: Indices) -> Cells:
+    return tuple(zip(rows.tolist(), columns.tolist(), strict=True))

@@ -1,0 +1,278 @@
+"""The console over HTTP: what is answered, what is refused and how the refusal reads."""
+
+import json
+from typing import Any
+
+import pytest
+from fastapi.testclient import TestClient
+
+from tests.server.problem_json import problem_of
+from walking_console.server.realtime_loop import RealtimeLoop
+from walking_console.sim.requests import Push
+from walking_console.sim.scenario import scenario_from
+from walking_console.sim.world import prepare
+
+COMMAND = {"crab_angle_rad": 0.0, "speed_m_s": 0.08, "turn_rate_rad_s": 0.0, "ttl_s": 0.5}
+
+
+def test_the_snapshot_has_every_promised_key(client: TestClient) -> None:
+    snapshot = client.get("/api/v1/console").json()
+    example = client.get("/openapi.json").json()["components"]["schemas"]["SnapshotFrame"][
+        "examples"
+    ][0]
+    assert set(snapshot) == set(example)
+    assert (
+        snapshot["robot"] == "titan3" and len(snapshot["body"]) == 6 and len(snapshot["feet"]) == 4
+    )
+
+
+def test_a_command_moves_the_machine_until_it_lapses(
+    client: TestClient, loop: RealtimeLoop
+) -> None:
+    assert client.put("/api/v1/console/command", json=COMMAND).status_code == 202
+    loop.tick()
+    assert client.get("/api/v1/console").json()["speed_m_s"] == 0.08
+    for _ in range(25):
+        loop.tick()
+    assert client.get("/api/v1/console").json()["speed_m_s"] == 0.0
+
+
+def test_a_posture_is_taken_from_a_standstill_and_shown(
+    client: TestClient, loop: RealtimeLoop
+) -> None:
+    client.put("/api/v1/console/command", json=COMMAND)
+    loop.tick()
+    answer = client.post("/api/v1/console/posture", json={"posture": "sit"})
+    assert answer.status_code == 202 and answer.json()["posture"] == "sit"
+    seen = set()
+    for _ in range(150):
+        loop.tick()
+        seen.add(client.get("/api/v1/console").json()["mode"])
+    assert "sit_down" in seen
+    snapshot = client.get("/api/v1/console").json()
+    assert (snapshot["mode"], snapshot["posture"], snapshot["speed_m_s"]) == ("sit", "sit", 0.0)
+    assert client.post("/api/v1/console/posture", json={"posture": "standard"}).status_code == 202
+    for _ in range(600):
+        loop.tick()
+    snapshot = client.get("/api/v1/console").json()
+    assert (snapshot["mode"], snapshot["posture"]) == ("stand", "standard")
+
+
+NOT_POSTURES = [
+    {},
+    {"posture": "lie"},
+    {"posture": 1},
+    {"posture": None},
+    {"posture": "sit", "speed": 1.0},
+    {"posture": ["sit"]},
+]
+
+
+@pytest.mark.parametrize("body", NOT_POSTURES)
+def test_a_posture_that_is_none_is_refused_by_name(
+    client: TestClient, body: dict[str, Any]
+) -> None:
+    told = problem_of(client.post("/api/v1/console/posture", json=body), 422)
+    assert told["field"] == ("speed" if "speed" in body else "posture")
+
+
+def test_no_posture_through_a_stop(client: TestClient, loop: RealtimeLoop) -> None:
+    client.post("/api/v1/console/stop")
+    assert (
+        "stopped"
+        in problem_of(client.post("/api/v1/console/posture", json={"posture": "sit"}), 409)[
+            "detail"
+        ]
+    )
+
+
+def test_a_machine_that_has_fallen_takes_no_posture(client: TestClient, loop: RealtimeLoop) -> None:
+    loop.request(Push(0.0, 3000.0, 60))
+    for _ in range(200):
+        loop.tick()
+    assert (
+        "fallen"
+        in problem_of(client.post("/api/v1/console/posture", json={"posture": "stand"}), 409)[
+            "detail"
+        ]
+    )
+
+
+def test_the_body_follows_the_ground_from_the_next_tick_on(
+    client: TestClient, loop: RealtimeLoop
+) -> None:
+    assert client.get("/api/v1/console").json()["attitude"] == "level"
+    for attitude in ("ground", "level"):
+        answer = client.put("/api/v1/console/attitude", json={"attitude": attitude})
+        assert answer.status_code == 202 and answer.json()["attitude"] == attitude
+        loop.tick()
+        assert client.get("/api/v1/console").json()["attitude"] == attitude
+
+
+def test_a_planner_that_walks_level_is_not_told_to_lean(
+    client: TestClient, loop: RealtimeLoop
+) -> None:
+    loop.load(prepare(scenario_from({"name": "printed", "mode": "paper"})))
+    loop.tick()
+    assert (
+        "predictive"
+        in problem_of(client.put("/api/v1/console/attitude", json={"attitude": "ground"}), 409)[
+            "detail"
+        ]
+    )
+    assert client.put("/api/v1/console/attitude", json={"attitude": "level"}).status_code == 202
+    assert (
+        problem_of(client.put("/api/v1/console/attitude", json={"attitude": "askew"}), 422)["field"]
+        == "attitude"
+    )
+
+
+def test_a_stop_stays_until_it_is_ended(client: TestClient, loop: RealtimeLoop) -> None:
+    client.put("/api/v1/console/command", json=COMMAND)
+    client.post("/api/v1/console/stop")
+    loop.tick()
+    snapshot = client.get("/api/v1/console").json()
+    assert snapshot["stopped"] and snapshot["speed_m_s"] == 0.0
+    assert (
+        "stopped" in problem_of(client.put("/api/v1/console/command", json=COMMAND), 409)["detail"]
+    )
+    client.post("/api/v1/console/reset")
+    assert client.get("/api/v1/console").json()["stopped"], "a reset does not end a stop"
+    client.post("/api/v1/console/rearm")
+    assert client.put("/api/v1/console/command", json=COMMAND).status_code == 202
+
+
+def test_advance_needs_the_paused_state_and_walks_exactly_so_many_ticks(client: TestClient) -> None:
+    assert (
+        "paused"
+        in problem_of(client.post("/api/v1/console/advance", json={"ticks": 10}), 409)["detail"]
+    )
+    before = client.post("/api/v1/console/pause").json()
+    assert before["paused"]
+    after = client.post("/api/v1/console/advance", json={"ticks": 250}).json()
+    assert after["tick"] == before["tick"] + 250
+    assert client.post("/api/v1/console/reset").json()["tick"] == 0
+    assert not client.post("/api/v1/console/resume").json()["paused"]
+
+
+def test_a_script_that_drives_while_paused_walks_the_same_way_every_time(
+    client: TestClient,
+) -> None:
+    def walked() -> list[float]:
+        client.post("/api/v1/console/reset")
+        for _ in range(6):
+            client.put("/api/v1/console/command", json={**COMMAND, "ttl_s": 1.0})
+            client.post("/api/v1/console/advance", json={"ticks": 50})
+        body: list[float] = client.get("/api/v1/console").json()["body"]
+        return body
+
+    client.post("/api/v1/console/pause")
+    first = walked()
+    assert first[0] > 0.3
+    assert walked() == first
+
+
+def test_the_rate_changes_and_shows(client: TestClient, loop: RealtimeLoop) -> None:
+    assert client.post("/api/v1/console/rate", json={"rate": 4}).json() == {"rate": 4}
+    loop.tick()
+    assert client.get("/api/v1/console").json()["rate"] == 4.0
+
+
+def test_a_scenario_is_loaded_by_name_and_inline(client: TestClient) -> None:
+    assert (
+        client.put("/api/v1/console/scenario", json={"name": "river"}).json()["scenario"] == "river"
+    )
+    inline = {"title": "a ditch", "terrain": {"kind": "gap"}}
+    snapshot = client.put(
+        "/api/v1/console/scenario", json={"scenario": inline, "robot": "titan3"}
+    ).json()
+    assert snapshot["scenario"] == "inline" and snapshot["tick"] <= 2
+
+
+def test_a_scenario_is_loaded_with_another_mode(client: TestClient) -> None:
+    assert (
+        client.put("/api/v1/console/scenario", json={"name": "flat", "mode": "paper"}).json()[
+            "planner_mode"
+        ]
+        == "paper"
+    )
+    assert (
+        client.put("/api/v1/console/scenario", json={"name": "flat", "mode": "bold"}).status_code
+        == 422
+    )
+
+
+REFUSED: list[tuple[str, str, Any, str]] = [
+    ("PUT", "command", {**COMMAND, "speed_m_s": 9.0}, "speed_m_s"),
+    ("PUT", "command", {**COMMAND, "speed_m_s": -0.1}, "speed_m_s"),
+    ("PUT", "command", {**COMMAND, "speed_m_s": True}, "speed_m_s"),
+    ("PUT", "command", {**COMMAND, "speed_m_s": "0.1"}, "speed_m_s"),
+    ("PUT", "command", {**COMMAND, "speed_m_s": None}, "speed_m_s"),
+    ("PUT", "command", {**COMMAND, "crab_angle_rad": 4.0}, "crab_angle_rad"),
+    ("PUT", "command", {**COMMAND, "turn_rate_rad_s": -2.0}, "turn_rate_rad_s"),
+    ("PUT", "command", {**COMMAND, "ttl_s": 1.5}, "ttl_s"),
+    ("PUT", "command", {**COMMAND, "ttl_s": 0.0}, "ttl_s"),
+    ("PUT", "command", {"speed_m_s": 0.1}, "ttl_s"),
+    ("PUT", "command", {**COMMAND, "speed": 0.1}, "speed"),
+    ("PUT", "command", [], "body"),
+    ("POST", "advance", {"ticks": 0}, "ticks"),
+    ("POST", "advance", {"ticks": 1.5}, "ticks"),
+    ("POST", "advance", {"ticks": True}, "ticks"),
+    ("POST", "advance", {"ticks": 10**9}, "ticks"),
+    ("POST", "rate", {"rate": 9}, "rate"),
+    ("POST", "rate", {"rate": 0}, "rate"),
+    ("PUT", "scenario", {"name": "rivr"}, "name"),
+    ("PUT", "scenario", {"name": "../../etc/passwd"}, "name"),
+    ("PUT", "scenario", {"name": "flat", "scenario": {}}, "body"),
+    ("PUT", "scenario", {}, "body"),
+    ("PUT", "scenario", {"name": "flat", "robot": "titan9"}, "name"),
+    ("PUT", "scenario", {"scenario": {"robot": "/etc/passwd.toml"}}, "scenario"),
+    ("PUT", "scenario", {"scenario": {"terrain": {"file": "/etc/passwd"}}}, "scenario"),
+    ("PUT", "scenario", {"scenario": {"terrain": {"kind": "moon"}}}, "scenario"),
+    ("PATCH", "terrain", {"action": "dig"}, "body"),
+    ("PATCH", "terrain", {"action": "paint", "cells": [[1, 1]]}, "action"),
+    ("PATCH", "terrain", {"action": "raise", "cells": [[1, 1]]}, "body"),
+    ("PATCH", "terrain", {"action": "raise", "cells": [[1, 1]], "amount_m": 5.0}, "amount_m"),
+    ("PATCH", "terrain", {"action": "dig", "cells": [[1, 99999]]}, "cells"),
+    ("PATCH", "terrain", {"action": "dig", "cells": [[-1, 0]]}, "cells.0.0"),
+    (
+        "PATCH",
+        "terrain",
+        {"action": "dig", "circle": {"x_m": 0.0, "y_m": 0.0, "radius_m": 100.0}},
+        "circle.radius_m",
+    ),
+    (
+        "PATCH",
+        "terrain",
+        {"action": "dig", "circle": {"x_m": 5000.0, "y_m": 0.0, "radius_m": 1.0}},
+        "circle",
+    ),
+]
+
+
+@pytest.mark.parametrize(
+    ("method", "route", "body", "field"), REFUSED, ids=lambda value: json.dumps(value)[:60]
+)
+def test_a_bad_body_is_refused_by_field_value_and_limit(
+    client: TestClient, loop: RealtimeLoop, method: str, route: str, body: Any, field: str
+) -> None:
+    problem = problem_of(client.request(method, f"/api/v1/console/{route}", json=body), 422)
+    assert problem["field"] == field
+    assert problem["errors"][0]["message"]
+    loop.tick()
+    assert loop.newest.command.holds
+
+
+@pytest.mark.parametrize(
+    "word", ["NaN", "Infinity", "-Infinity", "1e400", "true", '"0.1"', "null", "[0.1]", "1" * 400]
+)
+def test_no_word_that_is_not_a_number_in_range_passes_for_a_speed(
+    client: TestClient, word: str
+) -> None:
+    text = f'{{"crab_angle_rad": 0.0, "speed_m_s": {word}, "turn_rate_rad_s": 0.0, "ttl_s": 0.5}}'
+    problem_of(
+        client.put(
+            "/api/v1/console/command", content=text, headers={"content-type": "application/json"}
+        ),
+        422,
+    )

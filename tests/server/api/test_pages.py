@@ -1,0 +1,69 @@
+"""What a browser loads comes from here, by name, and nothing else does."""
+
+import pytest
+from fastapi.testclient import TestClient
+
+from tests.server.problem_json import problem_of
+from walking_console.server.viser_bridge import ViserBridge
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "/docs",
+        "/docs/start.js",
+        "/vendor/swagger/swagger-ui-bundle.js",
+        "/vendor/swagger/swagger-ui.css",
+    ],
+)
+def test_the_documents_come_from_here(client: TestClient, path: str) -> None:
+    response = client.get(path)
+    assert response.status_code == 200
+    if path == "/docs":
+        assert "http" not in response.text.replace("<!doctype", "")
+        policy = response.headers["content-security-policy"]
+        assert (
+            "default-src 'none'" in policy
+            and "unsafe-eval" not in policy
+            and "script-src 'self';" in policy
+        )
+
+
+def test_every_answer_says_how_it_may_be_used(client: TestClient) -> None:
+    headers = client.get("/api/v1/health").headers
+    assert headers["x-content-type-options"] == "nosniff" and "content-security-policy" in headers
+
+
+@pytest.mark.parametrize("path", ["a" * 5000 + ".js", "😀" * 80 + ".js"])
+def test_a_path_too_long_for_any_file_is_not_found(client: TestClient, path: str) -> None:
+    problem_of(client.get(f"/{path}"), 404)
+
+
+HERE = "http://127.0.0.1:8000"
+
+
+OWN = {"origin": HERE}
+
+
+AT = "ws://127.0.0.1:8000"
+
+
+@pytest.mark.parametrize("path", ["/view", "/view/"])
+def test_the_page_is_served_under_a_policy_without_eval(
+    viewing: TestClient, bridge: ViserBridge, path: str
+) -> None:
+    response = viewing.get(path)
+    assert response.content == bridge.page
+    policy = response.headers["content-security-policy"]
+    assert (
+        "'unsafe-eval'" not in policy
+        and "frame-ancestors 'self'" in policy
+        and "default-src 'none'" in policy
+    )
+    assert "script-src 'self' blob: 'wasm-unsafe-eval' 'nonce-" in policy
+    assert viewing.get(path, headers={"if-none-match": response.headers["etag"]}).status_code == 304
+
+
+def test_the_page_itself_moves_on_without_them(viewing: TestClient) -> None:
+    response = viewing.get("/view?websocket=ws://evil.example")
+    assert (response.status_code, response.headers["location"]) == (307, "/view/")

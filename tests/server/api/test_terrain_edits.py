@@ -1,0 +1,50 @@
+"""Terrain edits as they come in."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from fastapi.testclient import TestClient
+
+from walking_console.server.api.terrain_edits import painted
+from walking_console.server.realtime_loop import RealtimeLoop
+
+
+@pytest.mark.parametrize(
+    ("place", "cells"),
+    [
+        ({"circle": {"x_m": 2.0, "y_m": 1.0, "radius_m": 0.3}}, None),
+        ({"cells": [[5, 7], [6, 7]]}, 2),
+    ],
+)
+def test_ground_is_dug_under_a_circle_and_by_cells(
+    client: TestClient, loop: RealtimeLoop, place: dict[str, Any], cells: int | None
+) -> None:
+    before = np.isnan(loop.newest.terrain.heights).sum()
+    answer = client.patch("/api/v1/console/terrain", json={"action": "dig", **place}).json()
+    loop.tick()
+    assert (
+        np.isnan(loop.newest.terrain.heights).sum() - before
+        == answer["cells"]
+        == (cells or answer["cells"])
+    )
+
+
+def test_ground_is_raised_forbidden_and_cleared(client: TestClient, loop: RealtimeLoop) -> None:
+    square = {"rectangle": {"x_m": 2.0, "y_m": 1.0, "width_m": 0.4, "depth_m": 0.4}}
+    client.patch("/api/v1/console/terrain", json={"action": "raise", "amount_m": 0.1, **square})
+    loop.tick()
+    terrain = loop.newest.terrain
+    assert np.nanmax(terrain.heights) == pytest.approx(0.1)
+    client.patch("/api/v1/console/terrain", json={"action": "forbid", **square})
+    loop.tick()
+    marked = int(loop.newest.terrain.forbidden.sum())
+    client.patch("/api/v1/console/terrain", json={"action": "clear", **square})
+    loop.tick()
+    assert int(loop.newest.terrain.forbidden.sum()) < marked
+
+
+def test_a_touch_of_a_brush_is_a_terrain_edit() -> None:
+    lowered = painted("lower", 1.0, 2.0, 0.12)
+    assert lowered.action == "raise" and lowered.amount_m is not None and lowered.amount_m < 0.0
+    assert painted("dig", 1.0, 2.0, 0.12).amount_m is None

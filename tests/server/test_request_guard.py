@@ -1,0 +1,124 @@
+"""What every request must show before a route sees it."""
+
+from typing import Any
+
+import pytest
+from fastapi.testclient import TestClient
+from starlette.testclient import WebSocketDenialResponse
+
+from tests.server.problem_json import problem_of
+from walking_console.server.request_guard import BODY_MAX
+
+HERE = "http://127.0.0.1:8000"
+
+
+def test_a_body_beyond_its_limit_is_refused_declared_or_not(client: TestClient) -> None:
+    problem_of(client.put("/api/v1/console/command", content=b" " * (BODY_MAX + 1)), 413)
+
+    def endless() -> Any:
+        for _ in range(40):
+            yield b" " * 65536
+
+    problem_of(client.put("/api/v1/console/command", content=endless()), 413)
+
+
+@pytest.mark.parametrize(
+    "host",
+    [
+        "evil.example",
+        "127.0.0.1.evil.example",
+        "localhost.evil",
+        "8.8.8.8",
+        "",
+        "127.0.0.1@evil",
+        "[::1",
+    ],
+)
+def test_a_foreign_host_is_refused(client: TestClient, host: str) -> None:
+    problem_of(client.get("/api/v1/health", headers={"host": host}), 403)
+
+
+@pytest.mark.parametrize(
+    "host", ["localhost", "localhost:8000", "127.0.0.1:1234", "[::1]:8000", "LOCALHOST"]
+)
+def test_a_loopback_host_is_let_in(client: TestClient, host: str) -> None:
+    assert client.get("/api/v1/health", headers={"host": host}).status_code == 200
+
+
+FOREIGN = [
+    "http://evil.example",
+    "null",
+    "http://127.0.0.1:8001",
+    "http://127.0.0.1",
+    "http://127.0.0.1:8000.evil",
+    "http://localhost:8000",
+]
+
+
+@pytest.mark.parametrize("origin", FOREIGN)
+def test_no_foreign_page_changes_anything(client: TestClient, origin: str) -> None:
+    paths = client.get("/openapi.json").json()["paths"]
+    unsafe = [
+        (method.upper(), path)
+        for path, entry in paths.items()
+        for method in entry
+        if method != "get"
+    ]
+    assert len(unsafe) >= 11
+    for method, path in unsafe:
+        problem_of(
+            client.request(
+                method, path.replace("{run_id}", "flat-0001"), headers={"origin": origin}
+            ),
+            403,
+        )
+
+
+@pytest.mark.parametrize(
+    ("site", "status"),
+    [("cross-site", 403), ("same-site", 403), ("same-origin", 200), ("none", 200)],
+)
+def test_without_an_origin_the_browser_s_own_word_counts(
+    client: TestClient, site: str, status: int
+) -> None:
+    assert (
+        client.post("/api/v1/console/stop", headers={"sec-fetch-site": site}).status_code == status
+    )
+
+
+def test_our_own_page_may(client: TestClient) -> None:
+    assert client.post("/api/v1/console/stop", headers={"origin": HERE}).status_code == 200
+
+
+def test_no_get_changes_anything(client: TestClient) -> None:
+    for path, entry in client.get("/openapi.json").json()["paths"].items():
+        assert "get" not in entry or not path.endswith(
+            ("stop", "reset", "pause", "resume", "advance", "rate", "rearm", "command")
+        )
+
+
+AT = "ws://127.0.0.1:8000"  # the test client ignores its base URL for WebSockets
+
+
+@pytest.mark.parametrize("path", ["/drive", "/view", "/view/"])
+@pytest.mark.parametrize(
+    "origin", ["http://evil.example", "null", "http://127.0.0.1:9", "https://127.0.0.1:8000.evil"]
+)
+def test_no_foreign_page_opens_a_socket(client: TestClient, path: str, origin: str) -> None:
+    with (
+        pytest.raises(WebSocketDenialResponse) as caught,
+        client.websocket_connect(AT + path, headers={"origin": origin}),
+    ):
+        pass
+    assert caught.value.status_code == 403
+
+
+@pytest.mark.parametrize("path", ["/drive", "/view"])
+def test_no_foreign_host_opens_a_socket(client: TestClient, path: str) -> None:
+    headers = {"origin": "http://evil.example"}
+    with (
+        pytest.raises(WebSocketDenialResponse) as caught,
+        client.websocket_connect(f"ws://evil.example{path}", headers=headers),
+    ):
+        pass
+    assert caught.value.status_code == 403

@@ -1,0 +1,11 @@
+"""Jobs and their folders, without HTTP."""
+
+from pathlib import Path
+
+from walking_console.server.run_jobs import RunJobs
+
+
+def test_runs_of_a_console_that_was_ended_are_interrupted(tmp_path: Path) -> None:
+    (tmp_path / "jobs" / "flat-0001").mkdir(parents=True)
+    runs = RunJobs(tmp_path)
+    assert runs.state("flat-0001")["state"] == "interrupted"
