@@ -1,8 +1,14 @@
-"""The tunables of the planner by theme; each says what you see when it is wrong."""
+"""The tunables of supervising and of going round: by theme, each with what you see when it is wrong.
+
+A scenario sets them by name, ``[config.tracking] held_back = 0.05``; what it does not name stays.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from typing import Any
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,3 +33,132 @@ class Tolerances:
     # m a foot may seem to be off in the plans of a posture. Smaller: see sensor noise begin the
     # posture anew
     foot_off: float = 0.015
+
+
+@dataclass(frozen=True, slots=True)
+class Tracking:
+    """What is put up with between plan and machine; None: what the plant says of itself."""
+
+    same_place: float | None = None  # m, rad; as in ``Tolerances``
+    held_back: float | None = None  # m; as in ``Tolerances``
+    landed_as_planned: float | None = None  # m; as in ``Tolerances``
+    body_off: float | None = None  # m; as in ``Tolerances``
+    foot_off: float | None = None  # m; as in ``Tolerances``
+    # steps cut short one after the other because the body was held back, before it says so and waits
+    # for another command. More: see it scrape along a wall
+    held_max: int = 3
+    # times a posture is begun anew because ground or body were not as planned. Fewer: see it give up
+    # after one push
+    posture_tries: int = 24
+    # m a foothold ahead may change its believed height. Smaller: see postures planned anew at every
+    # look of the eye
+    same_ground: float = 0.01
+
+    def within(self, plant: Tolerances) -> Tolerances:
+        """The tolerances of a plant with those set here in their place."""
+        given = {each.name: getattr(self, each.name) for each in fields(Tolerances)}
+        return replace(plant, **{name: value for name, value in given.items() if value is not None})
+
+
+@dataclass(frozen=True, slots=True)
+class Planning:
+    """How the supervisor spreads planning over ticks."""
+
+    # slices a tick while a step runs. More: the tick takes longer than it need
+    slices: int = 4
+    # slices a tick while Level C waits for the step (F3). More: see ticks come late
+    slices_wanted: int = 16
+    # ticks Level C waits on standing feet before it takes the best step found so far. More: see it
+    # hesitate after the stick is pushed
+    wait_max: int = 2
+    # rad; commands this close share a planning job. Less: see it stand while a stick moves; more:
+    # see a step go astray
+    alike: float = math.radians(10.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Gains:
+    """Weights of Level C. The defaults are P control with both of H's z-direction reflexes on."""
+
+    position: float = 1.0  # of the error in (38); 1 closes it in one tick, above 2 see feet ring
+    # C1 of (36), per tick; too small: see the torso stay tilted, 2 and more: see it rock up
+    posture: float = 0.2
+    # C2·Δz of (36), m a tick; too small: see legs hang over low ground, too large: see them stamp
+    pliancy: float = 0.002
+    # PID option: of what the servos missed; 0 is P control, above 1 see feet ring
+    integral: float = 0.0
+    derivative: float = 0.0  # PID option: of the change of what they missed
+    # m; the integral never asks for more than this in one tick, however long a servo is stuck
+    windup: float = 0.005
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """How a foot behaves that has met what the map does not show (H §9)."""
+
+    retreat: float = 0.05  # m back along the way after a hit; less and whiskers still touch
+    # m back before each further lift. Less: see whiskers stay on what is climbed over
+    keep_clear: float = 0.02
+    # m a leg is lifted at a time while the obstacle is still there. More: see it step needlessly high
+    lift_step: float = 0.05
+    # of the swing speed, "somewhat lower velocity" (H §9.2 b). More: see the second hit push the body
+    slower: float = 0.5
+    # m of a sensed edge that is marked, along it. Less: see the next foot come down on it
+    edge_length: float = 0.30
+    edge_depth: float = 0.10  # m of a sensed edge that is marked, across it
+    # m farther from where there was no ground it searches with each miss. Smaller: see it feel out
+    # every cell
+    shy: float = 0.04
+    # of one foot before it is set down wherever it may be; reached only between walls
+    hits_max: int = 40
+    # m beyond the rim of the foot that whiskers feel. More: see it take shown ground for a surprise
+    whisker_tip: float = 0.05
+
+
+@dataclass(frozen=True, slots=True)
+class PlannerConfig:
+    """All tunables; a scenario's ``[config]``."""
+
+    tracking: Tracking = field(default_factory=Tracking)
+    planning: Planning = field(default_factory=Planning)
+    gains: Gains = field(default_factory=Gains)
+    contact: Contact = field(default_factory=Contact)
+
+
+DEFAULT = PlannerConfig()
+
+
+def configured(changes: Mapping[str, Any], config: PlannerConfig = DEFAULT) -> PlannerConfig:
+    """A configuration with some settings changed: theme, then name, then a finite number.
+
+    Raises ``ValueError`` that names what there is, for a theme or a name that there is not, and for
+    what is no number.
+    """
+    changed: PlannerConfig = _changed(config, changes, "config")
+    return changed
+
+
+def _changed(settings: Any, changes: Any, where: str) -> Any:
+    if not isinstance(changes, Mapping):
+        raise ValueError(f"{where} should be a table, got {changes!r:.80}")
+    known = {each.name: getattr(settings, each.name) for each in fields(settings)}
+    new = {}
+    for name, value in changes.items():
+        if name not in known:
+            raise ValueError(f"unknown key {name!r:.80} in {where}; there are: {', '.join(known)}")
+        below = f"{where}.{name}"
+        if is_dataclass(known[name]):
+            new[name] = _changed(known[name], value, below)
+        else:
+            new[name] = _number(value, isinstance(known[name], int), below)
+    return replace(settings, **new)
+
+
+def _number(value: Any, whole: bool, where: str) -> float:
+    """A setting as a scenario gives it; raises ``ValueError``."""
+    if isinstance(value, bool) or not isinstance(value, int if whole else int | float):
+        wanted = "an integer" if whole else "a number"
+        raise ValueError(f"{where} should be {wanted}, got {value!r:.80}")
+    if not math.isfinite(value) or value < 0:
+        raise ValueError(f"{where} should be finite and not negative, got {value!r:.80}")
+    return value

@@ -64,16 +64,16 @@ def _plant_fields(simulation: Simulation) -> dict[str, Any]:
 
 def _walk_fields(walk: GaitSupervisor) -> dict[str, Any]:
     """The step that runs, and the one after it."""
-    stepping = walk.kind == "step"
+    stepping = walk.steps
     return {
         "speed": walk.speed,
         "speed_max": walk.plan.speed_max if stepping else 0.0,
         "step": walk.steps_begun,
-        "plan": walk.plan if walk.kind not in ("stand", "hover") else None,
-        "plan_time": walk.t,
+        "plan": walk.plan if walk.plays else None,
+        "plan_time": walk.run.t,
         "ready": walk.ready,
         "flags": walk.flags,
-        "posture": walk.posture,
+        "posture": walk.postures.posture,
         "decision": _decision(walk),
     }
 
@@ -81,7 +81,7 @@ def _walk_fields(walk: GaitSupervisor) -> dict[str, Any]:
 def _planner_fields(simulation: Simulation) -> dict[str, Any]:
     """What the planner says of itself, of its path, and of what is to come."""
     walk = simulation.walk
-    running = walk.plan if walk.kind == "step" else None
+    running = walk.plan if walk.steps else None
     x, y, z, _, _, yaw = simulation.plant.body
     planner = simulation.planner
     return {
@@ -96,4 +96,4 @@ def _decision(walk: GaitSupervisor) -> Mapping[str, Any] | None:
     """Why the running step was chosen, or why there is none."""
     if walk.blocked is not None:
         return walk.blocked.decision
-    return walk.plan.decision if walk.kind != "stand" else None
+    return None if walk.stands else walk.plan.decision

@@ -14,7 +14,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from walking_console.planner.control.supervisor import GaitSupervisor, feet_absolute
+from walking_console.planner.control.execution import feet_absolute
+from walking_console.planner.control.supervisor import GaitSupervisor
 from walking_console.planner.geometry.transforms import left_fold_sum
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.terrain.mapping import ElevationMapper
@@ -185,7 +186,7 @@ def _touch(mapper: ElevationMapper, sensing: Sensing) -> None:
 
 def _at_rest(supervisor: GaitSupervisor, command: Command) -> bool:
     blocked = supervisor.blocked is not None
-    return supervisor.kind == "stand" and (blocked or command.holds)
+    return supervisor.stands and (blocked or command.holds)
 
 
 def disc(

@@ -15,7 +15,7 @@ from functools import partial
 import numpy as np
 
 from walking_console.planner import registry, stability
-from walking_console.planner.control.foot_controller import Gains
+from walking_console.planner.control.execution import Execution
 from walking_console.planner.control.supervisor import GaitSupervisor
 from walking_console.planner.geometry.transforms import direction
 from walking_console.planner.protocols import Planner, PlannerSetup, Plant
@@ -83,15 +83,8 @@ class Simulation:
     def _supervisor(self, world: World) -> GaitSupervisor:
         scenario, machine, gait = world.scenario, world.machine, world.gait
         layout = partial(registry.initial_stance, scenario.planner, scenario.mode, machine, gait)
-        return GaitSupervisor(
-            machine,
-            gait,
-            world.stance,
-            self.planner,
-            Gains(),
-            layout=layout,
-            crab_angle=first_crab_angle(scenario),
-        )
+        run = Execution(machine, gait, world.stance, plant=self.plant.tolerances)
+        return GaitSupervisor(self.planner, run, layout, first_crab_angle(scenario))
 
     def _planner(self, world: World) -> Planner:
         scenario = world.scenario
@@ -155,7 +148,7 @@ class Simulation:
         if not command.holds:
             self._count_distance(plant.body[0] - x, plant.body[1] - y, command)
         if self.walk.executed is not None:
-            learnt = self.walk.take_learnt()
+            learnt = self.walk.contacts.take_learnt()
             if learnt:
                 self.perception.learn(learnt)
         self.perception.perceive(sensing, self.walk, plant.body, self.command, self.tick_count)

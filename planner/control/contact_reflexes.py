@@ -18,26 +18,24 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import NamedTuple
 
+from ..config import Contact
+from ..geometry.transforms import direction, left_fold_sum, placed
+from ..motion.body_tilt import leaning, unleaned
 from ..motion.foot_placement import place_foot
 from ..motion.step_builder import FootWay, body_still_plan
 from ..motion.swing import profile_of, swing_speeds
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
-from ..types import Blocked, Gait, Phase, Point, Stance, StepPlan
+from ..types import Blocked, Gait, Phase, Point, Sensing, Stance, StepPlan
+from .execution import Execution, feet_absolute
 
-RETREAT = 0.05  # m back along the way after a hit; less and whiskers still touch
-KEEP_CLEAR = 0.02  # m back before each further lift, so that whiskers come free
-LIFT_STEP = 0.05  # m a leg is lifted on at a time when the obstacle is still there
-SLOWER = 0.5  # of the swing speed: "somewhat lower velocity" (H §9.2 b)
-EDGE_LENGTH = 0.30  # m of a sensed edge that is marked, along it
-EDGE_DEPTH = 0.10  # m of a sensed edge that is marked, across it
-# m: how much farther from where there was no ground it searches with each miss; smaller, see it
-# feel out every cell
-SHY = 0.04
-HITS_MAX = 40  # of one foot before it is set down wherever it may be; reached only between walls
+Cells = set[tuple[int, int]]  # row, column
+
+AHEAD = 0.5  # cosine of how far aside of its way, 60°, a foot takes what it feels for an obstacle
+FEELS_AHEAD = 0.1  # s along the plan, over which the way of the foot is told
 
 
-class State(StrEnum):
+class FootState(StrEnum):
     """What the foot is doing."""
 
     NORMAL = "normal"
@@ -51,7 +49,7 @@ class State(StrEnum):
     STRANDED = "stranded"  # no landing point is left
 
 
-class Event(StrEnum):
+class ContactEvent(StrEnum):
     """What the sensors say of it."""
 
     HIT = "hit"  # whiskers ahead touch, or the foot is held
@@ -66,52 +64,53 @@ class Event(StrEnum):
     ORDER = "order"  # the operator wants to go on
 
 
-TABLE: dict[tuple[State, Event], State] = {
-    (State.NORMAL, Event.HIT): State.RETRACE,  # case 1
-    (State.NORMAL, Event.NO_GROUND): State.DESCEND,  # case 2
-    (State.NORMAL, Event.EDGE): State.WITHDRAW,  # case 3
-    (State.RETRACE, Event.DONE): State.RETRY,  # (a) → (b)
-    (State.RETRACE, Event.HIT): State.CLIMB,
-    (State.RETRY, Event.HIT): State.CLIMB,  # (b) → (c)
-    (State.RETRY, Event.LANDED): State.NORMAL,  # (d), (e)
-    (State.RETRY, Event.NO_GROUND): State.SEARCH,
-    (State.RETRY, Event.EDGE): State.WITHDRAW,
-    (State.CLIMB, Event.CLEAR): State.RETRY,  # (c) → (b): over it, perhaps
-    (State.CLIMB, Event.DONE): State.CLIMB,
-    (State.CLIMB, Event.TOP): State.SEARCH,  # (f)
-    (State.DESCEND, Event.LANDED): State.NORMAL,
-    (State.DESCEND, Event.NO_GROUND): State.SEARCH,
-    (State.DESCEND, Event.EDGE): State.WITHDRAW,
-    (State.WITHDRAW, Event.DONE): State.SEARCH,
-    (State.SEARCH, Event.FOUND): State.PLACE,
-    (State.SEARCH, Event.NOTHING): State.STRANDED,
-    (State.PLACE, Event.HIT): State.SEARCH,
-    (State.PLACE, Event.NO_GROUND): State.SEARCH,
-    (State.PLACE, Event.EDGE): State.WITHDRAW,
-    (State.PLACE, Event.LANDED): State.NORMAL,
-    (State.STRANDED, Event.ORDER): State.SEARCH,
+TABLE: dict[tuple[FootState, ContactEvent], FootState] = {
+    (FootState.NORMAL, ContactEvent.HIT): FootState.RETRACE,  # case 1
+    (FootState.NORMAL, ContactEvent.NO_GROUND): FootState.DESCEND,  # case 2
+    (FootState.NORMAL, ContactEvent.EDGE): FootState.WITHDRAW,  # case 3
+    (FootState.RETRACE, ContactEvent.DONE): FootState.RETRY,  # (a) → (b)
+    (FootState.RETRACE, ContactEvent.HIT): FootState.CLIMB,
+    (FootState.RETRY, ContactEvent.HIT): FootState.CLIMB,  # (b) → (c)
+    (FootState.RETRY, ContactEvent.LANDED): FootState.NORMAL,  # (d), (e)
+    (FootState.RETRY, ContactEvent.NO_GROUND): FootState.SEARCH,
+    (FootState.RETRY, ContactEvent.EDGE): FootState.WITHDRAW,
+    (FootState.CLIMB, ContactEvent.CLEAR): FootState.RETRY,  # (c) → (b): over it, perhaps
+    (FootState.CLIMB, ContactEvent.DONE): FootState.CLIMB,
+    (FootState.CLIMB, ContactEvent.TOP): FootState.SEARCH,  # (f)
+    (FootState.DESCEND, ContactEvent.LANDED): FootState.NORMAL,
+    (FootState.DESCEND, ContactEvent.NO_GROUND): FootState.SEARCH,
+    (FootState.DESCEND, ContactEvent.EDGE): FootState.WITHDRAW,
+    (FootState.WITHDRAW, ContactEvent.DONE): FootState.SEARCH,
+    (FootState.SEARCH, ContactEvent.FOUND): FootState.PLACE,
+    (FootState.SEARCH, ContactEvent.NOTHING): FootState.STRANDED,
+    (FootState.PLACE, ContactEvent.HIT): FootState.SEARCH,
+    (FootState.PLACE, ContactEvent.NO_GROUND): FootState.SEARCH,
+    (FootState.PLACE, ContactEvent.EDGE): FootState.WITHDRAW,
+    (FootState.PLACE, ContactEvent.LANDED): FootState.NORMAL,
+    (FootState.STRANDED, ContactEvent.ORDER): FootState.SEARCH,
 }
-
-# how the log counts them
-KINDS = {Event.HIT: "hit", Event.NO_GROUND: "no ground", Event.EDGE: "edge"}
 
 
 @dataclass(frozen=True, slots=True)
 class Encounter:
     """One emergent motion under way: its state, whose foot it is, and where that foot was to land."""
 
-    state: State
+    state: FootState
     leg: int
     goal: Point  # J_u of the step that was cut short
     hits: int = 0
     misses: int = 0  # times no ground was found
 
-    def after(self, event: Event) -> Encounter:
+    def after(self, event: ContactEvent) -> Encounter:
         """The encounter once ``event`` has happened; raises ``KeyError`` for an event its state
         does not know.
         """
-        hits, misses = self.hits + (event is Event.HIT), self.misses + (event is Event.NO_GROUND)
-        return replace(self, state=TABLE[self.state, event], hits=hits, misses=misses)
+        return replace(
+            self,
+            state=TABLE[self.state, event],
+            hits=self.hits + (event is ContactEvent.HIT),
+            misses=self.misses + (event is ContactEvent.NO_GROUND),
+        )
 
 
 class Situation(NamedTuple):
@@ -122,6 +121,7 @@ class Situation(NamedTuple):
     terrain: TerrainMap
     machine: Machine
     gait: Gait
+    settings: Contact
 
 
 def motion(encounter: Encounter, at: Situation) -> StepPlan | Blocked:
@@ -131,11 +131,25 @@ def motion(encounter: Encounter, at: Situation) -> StepPlan | Blocked:
 
 def _retrace(encounter: Encounter, at: Situation) -> StepPlan:
     """(a) Away from what was hit, then up."""
-    foot = at.here.feet[encounter.leg]
-    away = _bearing_to(foot, encounter.goal) if at.bearing is None else at.bearing
-    back = (foot[0] - RETREAT * math.cos(away), foot[1] - RETREAT * math.sin(away), foot[2])
-    up = (back[0], back[1], min(foot[2] + LIFT_STEP, ceiling(at.here, encounter.leg, at.machine)))
-    return _moved(at, encounter.leg, [back, up], (Phase.RETURN, Phase.UP), SLOWER)
+    return _back_and_up(encounter, at, at.settings.retreat)
+
+
+def _climb(encounter: Encounter, at: Situation) -> StepPlan:
+    """(c) A little back, to keep clear, and a little higher."""
+    return _back_and_up(encounter, at, at.settings.keep_clear)
+
+
+def _back_and_up(encounter: Encounter, at: Situation, way: float) -> StepPlan:
+    """So many metres back from what was felt, and a little higher."""
+    x, y, z = at.here.feet[encounter.leg]
+    goal = encounter.goal
+    away = math.atan2(goal[1] - y, goal[0] - x) if at.bearing is None else at.bearing
+    c, s = direction(away)
+    back = (x - way * c, y - way * s, z)
+    highest = ceiling(at.here, encounter.leg, at.machine)
+    up = (back[0], back[1], min(z + at.settings.lift_step, highest))
+    phases = (Phase.RETURN, Phase.UP)
+    return _moved(at, encounter.leg, [back, up], phases, at.settings.slower)
 
 
 def _retry(encounter: Encounter, at: Situation) -> StepPlan:
@@ -145,16 +159,7 @@ def _retry(encounter: Encounter, at: Situation) -> StepPlan:
     foot, goal = at.here.feet[encounter.leg], encounter.goal
     over = (goal[0], goal[1], foot[2])
     down = (goal[0], goal[1], min(floor(at.here, encounter.leg, at.machine), foot[2]))
-    return _moved(at, encounter.leg, [over, down], (Phase.RETURN, Phase.DOWN), SLOWER)
-
-
-def _climb(encounter: Encounter, at: Situation) -> StepPlan:
-    """(c) A little back, to keep clear, and a little higher."""
-    foot = at.here.feet[encounter.leg]
-    away = _bearing_to(foot, encounter.goal) if at.bearing is None else at.bearing
-    back = (foot[0] - KEEP_CLEAR * math.cos(away), foot[1] - KEEP_CLEAR * math.sin(away), foot[2])
-    up = (back[0], back[1], min(foot[2] + LIFT_STEP, ceiling(at.here, encounter.leg, at.machine)))
-    return _moved(at, encounter.leg, [back, up], (Phase.RETURN, Phase.UP), SLOWER)
+    return _moved(at, encounter.leg, [over, down], (Phase.RETURN, Phase.DOWN), at.settings.slower)
 
 
 def _descend(encounter: Encounter, at: Situation) -> StepPlan:
@@ -167,11 +172,8 @@ def _descend(encounter: Encounter, at: Situation) -> StepPlan:
 def _withdraw(encounter: Encounter, at: Situation) -> StepPlan:
     """Off the bad foothold: straight up."""
     foot = at.here.feet[encounter.leg]
-    up = (
-        foot[0],
-        foot[1],
-        min(foot[2] + at.gait.lift_up, ceiling(at.here, encounter.leg, at.machine)),
-    )
+    highest = ceiling(at.here, encounter.leg, at.machine)
+    up = (foot[0], foot[1], min(foot[2] + at.gait.lift_up, highest))
     return _moved(at, encounter.leg, [up], (Phase.UP,), 1.0)
 
 
@@ -180,13 +182,13 @@ def _place(encounter: Encounter, at: Situation) -> StepPlan | Blocked:
     return place_foot(at.here, encounter.leg, at.terrain, at.machine, at.gait)
 
 
-_MOTIONS: dict[State, Callable[[Encounter, Situation], StepPlan | Blocked]] = {
-    State.RETRACE: _retrace,
-    State.RETRY: _retry,
-    State.CLIMB: _climb,
-    State.DESCEND: _descend,
-    State.WITHDRAW: _withdraw,
-    State.PLACE: _place,
+_MOTIONS: dict[FootState, Callable[[Encounter, Situation], StepPlan | Blocked]] = {
+    FootState.RETRACE: _retrace,
+    FootState.RETRY: _retry,
+    FootState.CLIMB: _climb,
+    FootState.DESCEND: _descend,
+    FootState.WITHDRAW: _withdraw,
+    FootState.PLACE: _place,
 }
 
 
@@ -224,33 +226,40 @@ def felt_ahead(bits: int, bearing_b: float) -> float | None:
     """Where in the forward half of eight whiskers something is felt, body axes; None when it is
     free that way.
     """
-    angles = [k * math.pi / 4 for k in range(8) if bits >> k & 1]
-    # within 60° of the way
-    ahead = [angle for angle in angles if math.cos(angle - bearing_b) > 0.5]
-    if not ahead:
-        return None
-    return math.atan2(sum(map(math.sin, ahead)), sum(map(math.cos, ahead)))
+    return _mean_bearing(
+        [angle for angle in _bearings(bits) if math.cos(angle - bearing_b) > AHEAD]
+    )
 
 
-def edge_cells(foot: Point, bearing: float, terrain: TerrainMap) -> set[tuple[int, int]]:
+def _bearings(bits: int) -> list[float]:
+    """The directions of eight whose bits are set, rad."""
+    return [k * math.pi / 4 for k in range(8) if bits >> k & 1]
+
+
+def _mean_bearing(angles: list[float]) -> float | None:
+    """The direction between several, rad; None without any, and when they cancel out."""
+    sine = left_fold_sum(map(math.sin, angles))
+    cosine = left_fold_sum(map(math.cos, angles))
+    return None if math.hypot(sine, cosine) < 1e-9 else math.atan2(sine, cosine)
+
+
+def edge_cells(foot: Point, bearing: float, terrain: TerrainMap, settings: Contact) -> Cells:
     """Cells of a rectangle along an edge that was felt in direction ``bearing`` from the foot (H
     §9.2, last sentence).
     """
-    half, c, s = EDGE_LENGTH / 2, math.cos(bearing), math.sin(bearing)
-    across = max(1, math.ceil(EDGE_DEPTH / (terrain.cell / 2)))
-    along = max(1, math.ceil(EDGE_LENGTH / (terrain.cell / 2)))
-    cells = set()
-    for i in range(across + 1):
-        ahead = EDGE_DEPTH * i / across
-        for j in range(along + 1):
-            aside = -half + EDGE_LENGTH * j / along
-            cell = terrain.cell_at(foot[0] + c * ahead - s * aside, foot[1] + s * ahead + c * aside)
-            if cell is not None:
-                cells.add(cell)
-    return cells
+    length, depth = settings.edge_length, settings.edge_depth
+    across = max(1, math.ceil(depth / (terrain.cell / 2)))
+    along = max(1, math.ceil(length / (terrain.cell / 2)))
+    pose = (foot[0], foot[1], bearing)
+    cells = (
+        terrain.cell_at(*placed(pose, depth * i / across, length * j / along - length / 2))
+        for i in range(across + 1)
+        for j in range(along + 1)
+    )
+    return {cell for cell in cells if cell is not None}
 
 
-def cells_near(foot: Point, radius: float, terrain: TerrainMap) -> set[tuple[int, int]]:
+def cells_near(foot: Point, radius: float, terrain: TerrainMap) -> Cells:
     """Cells whose centre is within ``radius`` of a foot, seen from above."""
     reach = math.ceil(radius / terrain.cell)
     at = terrain.cell_at(foot[0], foot[1])
@@ -266,11 +275,219 @@ def cells_near(foot: Point, radius: float, terrain: TerrainMap) -> set[tuple[int
     }
 
 
-def cell_of(foot: Point, terrain: TerrainMap) -> set[tuple[int, int]]:
+def cell_of(foot: Point, terrain: TerrainMap) -> Cells:
     """The one cell under a foot, if the map has it."""
     cell = terrain.cell_at(foot[0], foot[1])
     return set() if cell is None else {cell}
 
 
-def _bearing_to(foot: Point, goal: Point) -> float:
-    return math.atan2(goal[1] - foot[1], goal[0] - foot[0])
+class Touch(NamedTuple):
+    """Something met that the map does not show."""
+
+    event: ContactEvent
+    leg: int
+    bearing: float | None  # rad, absolute: where it was felt, None if it was not
+
+
+class ContactReflexes:
+    """What the feet feel beside their plan, the encounter under way, and what was learnt of it.
+
+    ``counts`` says how many encounters began, by what they began with.
+    """
+
+    def __init__(self, run: Execution) -> None:
+        self.encounter: Encounter | None = None
+        self.counts: dict[str, int] = {}
+        self._run = run
+        self._settings = run.config.contact
+        self._learnt: Cells = set()
+        # near where this encounter found no ground: searched last, not remembered
+        self._shunned: Cells = set()
+
+    # noticing
+
+    def surprise(self, sensing: Sensing, terrain: TerrainMap) -> Touch | None:
+        """Case 1 or 3 in the running plan: a swing foot meets what the map does not show, or its
+        foothold is an edge.
+        """
+        run = self._run
+        for leg in run.plan.swing:
+            phase = run.phase
+            if phase is Phase.RETURN:
+                felt = self._felt(leg, sensing, terrain)
+                if felt is not None:
+                    return Touch(ContactEvent.HIT, leg, felt)
+            elif phase is Phase.DOWN and sensing.soles[leg] and not run.landed(leg):
+                if _hangs_over(leg, sensing):
+                    return Touch(ContactEvent.EDGE, leg, _over(leg, sensing))
+        return None
+
+    def missing_ground(self) -> Touch:
+        """Case 2: the plan is over and a foot has found no ground."""
+        leg = next(leg for leg in self._run.plan.swing if not self._run.landed(leg))
+        return Touch(ContactEvent.NO_GROUND, leg, None)
+
+    def noticed(self, sensing: Sensing, terrain: TerrainMap) -> Touch | None:
+        """What has happened in this tick of the encounter, if the table knows it."""
+        encounter = self.encounter
+        if encounter is None:
+            return None
+        bearing = self._felt(encounter.leg, sensing, terrain)
+        event = self._event(encounter, sensing, bearing)
+        return None if event is None else Touch(event, encounter.leg, bearing)
+
+    def _event(
+        self, encounter: Encounter, sensing: Sensing, bearing: float | None
+    ) -> ContactEvent | None:
+        run = self._run
+        phase = run.phase
+        if phase is Phase.DOWN and run.landed(encounter.leg):
+            over = _hangs_over(encounter.leg, sensing)
+            return ContactEvent.EDGE if over else ContactEvent.LANDED
+        if phase is Phase.RETURN and bearing is not None and encounter.state in _MOVING_ON:
+            return ContactEvent.HIT
+        if not run.is_over(run.t):
+            return None
+        if encounter.state is FootState.CLIMB:
+            return self._climbed(encounter, sensing)
+        return ContactEvent.NO_GROUND if phase is Phase.DOWN else ContactEvent.DONE
+
+    def _climbed(self, encounter: Encounter, sensing: Sensing) -> ContactEvent:
+        """A little higher: is it free there, or can the leg be drawn no higher?"""
+        if _felt_towards(encounter, sensing) is None:
+            return ContactEvent.CLEAR
+        here = unleaned(self._run.actual(sensing, self._run.plan.end))
+        high = at_top(here, encounter.leg, self._run.machine)
+        enough = encounter.hits >= self._settings.hits_max
+        return ContactEvent.TOP if high or enough else ContactEvent.DONE
+
+    # answering
+
+    def meet(self, touch: Touch) -> Encounter:
+        """A new encounter: the body has stopped, what the foot does next is the table's to say."""
+        name = touch.event.value
+        self.counts[name] = self.counts.get(name, 0) + 1
+        landing = self._run.plan.landing or self._run.plan.end.feet[touch.leg]
+        return Encounter(FootState.NORMAL, touch.leg, landing).after(touch.event)
+
+    def ordered_on(self) -> Encounter | None:
+        """A stranded foot searches again, everywhere; None when no encounter is under way."""
+        if self.encounter is None:
+            return None
+        self._shunned = set()
+        return replace(self.encounter, misses=0).after(ContactEvent.ORDER)
+
+    def over(self) -> None:
+        """The foot stands, or is given up."""
+        self.encounter = None
+        self._shunned = set()
+
+    def answer(
+        self, encounter: Encounter, touch: Touch | None, sensing: Sensing, terrain: TerrainMap
+    ) -> StepPlan | Blocked:
+        """The motion of an encounter's new state, which is the one under way from now on; a search
+        is answered at once.
+        """
+        bearing = None if touch is None else touch.bearing
+        here = self._run.actual(sensing, self._run.plan.end)
+        if encounter.state is not FootState.SEARCH:
+            self.encounter = encounter
+            return self._motion(encounter, here, bearing, terrain)
+        near = self._settings.shy * encounter.misses
+        self._shunned |= cells_near(here.feet[encounter.leg], near, terrain)
+        searched = terrain.forbid(self._learnt | self._shunned)
+        placing = replace(encounter, state=FootState.PLACE)
+        answer = self._motion(placing, here, bearing, searched)
+        found = isinstance(answer, StepPlan)
+        self.encounter = encounter.after(ContactEvent.FOUND if found else ContactEvent.NOTHING)
+        return answer
+
+    def _motion(
+        self, encounter: Encounter, here: Stance, bearing: float | None, terrain: TerrainMap
+    ) -> StepPlan | Blocked:
+        run = self._run
+        frame = leaning(here, terrain, run.machine)
+        situation = Situation(
+            frame.stance, bearing, frame.terrain, frame.machine, run.gait, self._settings
+        )
+        answer = motion(encounter, situation)
+        return frame.restored(answer, here) if isinstance(answer, StepPlan) else answer
+
+    # learning
+
+    def learn(self, touch: Touch, sensing: Sensing, terrain: TerrainMap, placing: bool) -> None:
+        """What touch has shown is no ground: one cell, or a rectangle along an edge whose direction
+        was felt. ``placing``: the foot was being put down after its step already.
+        """
+        foot = feet_absolute(sensing)[touch.leg]
+        under = cell_of(foot, terrain)
+        if self._bars_the_way(touch.event):
+            assert self.encounter is not None
+            known = _felt_towards(self.encounter, sensing)
+            self._learnt |= under if known is None else self._edge(foot, known, terrain)
+        elif touch.event is ContactEvent.NO_GROUND and placing:
+            self._learnt |= under
+        elif touch.event is ContactEvent.EDGE:
+            over = _over(touch.leg, sensing)
+            self._learnt |= under if over is None else self._edge(foot, over, terrain) | under
+
+    def _bars_the_way(self, event: ContactEvent) -> bool:
+        if event is ContactEvent.TOP:
+            return True
+        placing = self.encounter is not None and self.encounter.state is FootState.PLACE
+        return event is ContactEvent.HIT and placing
+
+    def _edge(self, foot: Point, bearing: float, terrain: TerrainMap) -> Cells:
+        return edge_cells(foot, bearing, terrain, self._settings)
+
+    def take_learnt(self) -> Cells:
+        """Cells touch has shown to be no ground, once."""
+        learnt = self._learnt
+        self._learnt = set()
+        return learnt
+
+    def _felt(self, leg: int, sensing: Sensing, terrain: TerrainMap) -> float | None:
+        """Absolute bearing of something felt on the foot's way that the map does not show; None
+        when there is nothing.
+        """
+        bits = sensing.whiskers[leg]
+        if not bits:
+            return None
+        tracker, t = self._run.tracker, self._run.t
+        here = tracker.foot_at(leg, t)
+        there = tracker.foot_at(leg, min(t + FEELS_AHEAD, tracker.duration))
+        if here[0] == there[0] and here[1] == there[1]:
+            return None
+        yaw = sensing.body[5]
+        ahead = felt_ahead(bits, math.atan2(there[1] - here[1], there[0] - here[0]) - yaw)
+        if ahead is None or self._is_shown(feet_absolute(sensing)[leg], terrain):
+            return None
+        return ahead + yaw
+
+    def _is_shown(self, foot: Point, terrain: TerrainMap) -> bool:
+        """True when the map has ground higher than the foot within reach of its whiskers."""
+        x, y, z = foot
+        reach = self._run.machine.foot_radius + self._settings.whisker_tip + terrain.cell
+        return terrain.crest_in(x - reach, x + reach, y - reach, y + reach) > z
+
+
+_MOVING_ON = (FootState.RETRY, FootState.PLACE, FootState.RETRACE)
+
+
+def _felt_towards(encounter: Encounter, sensing: Sensing) -> float | None:
+    """Absolute bearing of something felt between the foot and where it was to land."""
+    foot, goal, yaw = feet_absolute(sensing)[encounter.leg], encounter.goal, sensing.body[5]
+    bearing = math.atan2(goal[1] - foot[1], goal[0] - foot[0]) - yaw
+    ahead = felt_ahead(sensing.whiskers[encounter.leg], bearing)
+    return None if ahead is None else ahead + yaw
+
+
+def _hangs_over(leg: int, sensing: Sensing) -> bool:
+    """True when a sole hangs over an edge, of a machine that feels it."""
+    return bool(sensing.rims) and sensing.rims[leg] != 0
+
+
+def _over(leg: int, sensing: Sensing) -> float | None:
+    """Absolute direction in which the sole hangs over."""
+    bearing = _mean_bearing(_bearings(sensing.rims[leg] if sensing.rims else 0))
+    return None if bearing is None else bearing + sensing.body[5]

@@ -11,34 +11,16 @@ throughout: this runs every tick.
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
-from dataclasses import dataclass
 from typing import NamedTuple
 
-from ..geometry.transforms import attitude_of
-from ..robot.model import Machine
-from ..types import TICK, Phase, Point, Sensing, StepPlan
+from ..config import Gains
+from ..geometry.transforms import attitude_of, rotation, turned_back_by, turned_by
+from ..types import TICK, Point, Sensing
+from .tracking import TrajectoryTracker
 
 TURN_MIN = 1e-12  # rad; less than this to turn in one tick is no turn
 LEVEL = 1e-12  # rad; a posture sensor that reads less reads level
 ZERO = (0.0, 0.0, 0.0)
-LEVEL_LEAN = (0.0, 0.0)  # gradient of the body's floor
-
-
-@dataclass(frozen=True, slots=True)
-class Gains:
-    """Weights of Level C. The defaults are P control with both of H's z-direction reflexes on."""
-
-    position: float = 1.0  # of the error in (38); 1 closes it in one tick, above 2 see feet ring
-    # C1 of (36), per tick; too small: see the torso stay tilted, 2 and more: see it rock up
-    posture: float = 0.2
-    # C2·Δz of (36), m a tick; too small: see legs hang over low ground, too large: see them stamp
-    pliancy: float = 0.002
-    # PID option: of what the servos missed; 0 is P control, above 1 see feet ring
-    integral: float = 0.0
-    derivative: float = 0.0  # PID option: of the change of what they missed
-    # m; the integral never asks for more than this in one tick, however long a servo is stuck
-    windup: float = 0.005
 
 
 class ReflexState(NamedTuple):
@@ -61,188 +43,6 @@ class ReflexState(NamedTuple):
         return self._replace(landed=(False,) * len(self.landed)) if True in self.landed else self
 
 
-class _Stretch(NamedTuple):
-    """One straight line between knots, unpacked into plain floats."""
-
-    start: float  # s
-    body: tuple[float, float, float, float]  # x, y, z, yaw at its start
-    rate: tuple[float, float, float, float]  # per second
-    air: tuple[int, ...]  # legs in the air
-    stand: tuple[int, ...]  # legs that carry
-    down: bool  # the legs in the air are coming down: a touch is a landing
-    # x, y, z and their rates, one row per leg
-    feet: tuple[tuple[float, float, float, float, float, float], ...]
-    ground: float  # mean z of the carrying feet, m
-
-
-class TrajectoryTracker:
-    """A ``StepPlan`` made ready to be evaluated tick by tick."""
-
-    __slots__ = ("plan", "duration", "leans", "asked", "_times", "_stretches", "_last", "_paces")
-
-    def __init__(self, plan: StepPlan) -> None:
-        times, body, feet = plan.times.tolist(), plan.body.tolist(), plan.feet.tolist()
-        self.plan = plan
-        self.duration: float = times[-1]
-        self._times: list[float] = times
-        self._stretches = [_stretch(plan, k, times, body, feet) for k in range(len(times) - 1)]
-        self._last = 0
-        self._paces: list[float] | None = None
-        after = plan.end.lean
-        before = after if plan.lean is None else plan.lean
-        self.leans = before != LEVEL_LEAN or after != LEVEL_LEAN
-        # roll and pitch Level C last asked for
-        self.asked = attitude_of(before, body[0][3]) if self.leans else LEVEL_LEAN
-
-    def stretch(self, t: float) -> int:
-        """Index of the stretch between knots that contains t; a knot belongs to the stretch that
-        ends there.
-        """
-        times, k = self._times, self._last
-        if not times[k] < t <= times[k + 1]:
-            k = min(max(bisect_right(times, t) - 1, 0), len(times) - 2)
-            if k > 0 and times[k] == t:
-                k -= 1
-            self._last = k
-        return k
-
-    def phase(self, t: float) -> Phase:
-        """What the swing legs do at t."""
-        return self.plan.phases[self.stretch(t)]
-
-    def body_at(self, t: float) -> tuple[float, float, float, float]:
-        """Where the plan has the body at t: x, y, z, yaw."""
-        start, (x, y, z, yaw), (vx, vy, vz, turn), *_ = self._stretches[self.stretch(t)]
-        s = min(max(t, 0.0), self.duration) - start
-        return x + vx * s, y + vy * s, z + vz * s, yaw + turn * s
-
-    def body_moves(self, t: float) -> bool:
-        """True when the plan has the body go or turn at t."""
-        vx, vy, _, turn = self._stretches[self.stretch(t)].rate
-        return vx != 0.0 or vy != 0.0 or turn != 0.0
-
-    def foot_at(self, leg: int, t: float) -> Point:
-        """Where the plan has one foot tip at t."""
-        stretch = self._stretches[self.stretch(t)]
-        s = min(max(t, 0.0), self.duration) - stretch.start
-        x, y, z, vx, vy, vz = stretch.feet[leg]
-        return x + vx * s, y + vy * s, z + vz * s
-
-    def lean_at(self, t: float) -> tuple[float, float]:
-        """How the plan has the body lean at t."""
-        after = self.plan.end.lean
-        before = self.plan.lean
-        if before is None or before == after or t >= self.duration:
-            return after
-        share = max(t, 0.0) / self.duration
-        return before[0] + share * (after[0] - before[0]), before[1] + share * (
-            after[1] - before[1]
-        )
-
-    def pace_max(self, t: float, machine: Machine) -> float:
-        """How many times faster than planned the stretch at t may be played before a foot exceeds
-        its limit.
-        """
-        return self._paces_of(machine)[self.stretch(t)]
-
-    def _paces_of(self, machine: Machine) -> list[float]:
-        if self._paces is None:
-            # a leaning leg goes sideways as it goes up
-            tilt = max(math.hypot(*self.lean_at(0.0)), math.hypot(*self.plan.end.lean))
-            limits = (
-                machine.speed[0] / (1.0 + tilt),
-                machine.speed[1] / (1.0 + tilt),
-                machine.speed[2] / (1.0 + tilt),
-            )
-            self._paces = [
-                _pace(stretch, end, limits)
-                for stretch, end in zip(self._stretches, self._times[1:], strict=True)
-            ]
-        return self._paces
-
-    def onward(
-        self, t: float, seconds: float, pace: float, machine: Machine
-    ) -> tuple[float, float]:
-        """Where playing from t at ``pace`` times the plan's speed gets in so many seconds, and the
-        seconds left at its end.
-
-        No stretch is played faster than its feet allow: the foot of a creeping body comes down no
-        faster than ever.
-        """
-        times, paces = self._times, self._paces_of(machine)
-        for k in range(max(bisect_right(times, t) - 1, 0), len(paces)):
-            allowed = min(pace, max(1.0, paces[k]))
-            needed = (times[k + 1] - t) / allowed
-            if needed > seconds:
-                return t + allowed * seconds, 0.0
-            t, seconds = times[k + 1], seconds - needed
-        return t, seconds
-
-
-def _stretch(
-    plan: StepPlan,
-    k: int,
-    times: list[float],
-    body: list[list[float]],
-    feet: list[list[list[float]]],
-) -> _Stretch:
-    phase, legs = plan.phases[k], range(len(feet[0]))
-    air = plan.swing
-    # a supporting foot does not move in the absolute frame; one that waits in the air goes with the
-    # body
-    if phase is Phase.SUPPORT:
-        air = tuple(leg for leg in air if feet[k][leg] != feet[k + 1][leg])
-    stand = tuple(leg for leg in legs if leg not in air)
-    duration = times[k + 1] - times[k]
-    per_second = 1.0 / duration if duration > 0.0 else 0.0
-    x, y, z, yaw = body[k]
-    rate = [(b - a) * per_second for a, b in zip(body[k], body[k + 1], strict=True)]
-    rows = []
-    for a, b in zip(feet[k], feet[k + 1], strict=True):
-        rows.append(
-            (
-                a[0],
-                a[1],
-                a[2],
-                (b[0] - a[0]) * per_second,
-                (b[1] - a[1]) * per_second,
-                (b[2] - a[2]) * per_second,
-            )
-        )
-    ground = sum(rows[leg][2] for leg in stand) / len(stand) if stand else 0.0
-    return _Stretch(
-        times[k],
-        (x, y, z, yaw),
-        (rate[0], rate[1], rate[2], rate[3]),
-        air,
-        stand,
-        phase is Phase.DOWN,
-        tuple(rows),
-        ground,
-    )
-
-
-def _pace(stretch: _Stretch, end: float, limits: tuple[float, float, float]) -> float:
-    """Limit over speed of the fastest foot axis of one stretch, body axes; infinite when nothing
-    moves.
-    """
-    share = 0.0
-    duration = end - stretch.start
-    # a turning body: three looks, good to a percent
-    for s in (0.0, duration / 2, duration) if stretch.rate[3] else (0.0,):
-        x, y, _, yaw = (
-            value + rate * s for value, rate in zip(stretch.body, stretch.rate, strict=True)
-        )
-        c, d, turn = math.cos(yaw), math.sin(yaw), stretch.rate[3]
-        for fx, fy, _, vx, vy, vz in stretch.feet:
-            # seen from the turning body, absolute axes
-            wx = vx - stretch.rate[0] + turn * (fy + vy * s - y)
-            wy = vy - stretch.rate[1] - turn * (fx + vx * s - x)
-            axes = (c * wx + d * wy, c * wy - d * wx, vz - stretch.rate[2])
-            share = max(share, *(abs(v) / limit for v, limit in zip(axes, limits, strict=True)))
-    return 1.0 / share if share > 0.0 else math.inf
-
-
 def reflex(
     playback: TrajectoryTracker,
     t_next: float,
@@ -257,9 +57,7 @@ def reflex(
     if playback.leans:
         return leaning_reflex(playback, t_next, sensing, state, gains, dt)
     (bx, by, _, roll, pitch, yaw), feet_b, soles = sensing.body, sensing.feet_b, sensing.soles
-    start, body, rate, air, stand, down, feet, ground = playback._stretches[
-        playback.stretch(t_next)
-    ]
+    start, body, rate, air, stand, down, feet, ground = playback.stretches[playback.stretch(t_next)]
     s = (
         0.0 if t_next < 0.0 else t_next if t_next < playback.duration else playback.duration
     ) - start
@@ -348,9 +146,7 @@ def leaning_reflex(
     tick, the plan's own turning is followed.
     """
     (bx, by, _, roll, pitch, yaw), feet_b, soles = sensing.body, sensing.feet_b, sensing.soles
-    start, body, rate, air, stand, down, feet, ground = playback._stretches[
-        playback.stretch(t_next)
-    ]
+    start, body, rate, air, stand, down, feet, ground = playback.stretches[playback.stretch(t_next)]
     s = (0.0 if t_next < 0.0 else min(t_next, playback.duration)) - start
     x, y, z = body[0] + rate[0] * s, body[1] + rate[1] * s, body[2] + rate[2] * s
     heading = body[3] + rate[3] * s
@@ -362,7 +158,7 @@ def leaning_reflex(
     swinging = tuple(leg for leg in air if not state.landed[leg])
 
     now = rotation(roll, pitch, yaw)
-    reached = [_turned(now, foot) for foot in feet_b]
+    reached = [turned_by(now, foot) for foot in feet_b]
     on = [leg for leg in stand if soles[leg]]
     # of the body, from where its feet stand (37)
     height = sum(feet[leg][2] - reached[leg][2] for leg in on) / len(on) if on else z
@@ -383,12 +179,14 @@ def leaning_reflex(
     for leg in stand + landed:  # one rigid motion of the body for all that carry
         px, py, pz = reached[leg]
         out[leg] = _towards(
-            unturned(then, (px + bx - x, py + by - y, pz + height - z)), feet_b[leg], gain
+            turned_back_by(then, (px + bx - x, py + by - y, pz + height - z)), feet_b[leg], gain
         )
     for leg in swinging:
         fx, fy, fz, vx, vy, vz = feet[leg]
         out[leg] = _towards(
-            unturned(then, (fx + vx * s - x, fy + vy * s - y, fz + vz * s - z)), feet_b[leg], gain
+            turned_back_by(then, (fx + vx * s - x, fy + vy * s - y, fz + vz * s - z)),
+            feet_b[leg],
+            gain,
         )
     if not simple:
         state = _pid(out, stand, landed, feet_b, state, gains, dt)
@@ -397,40 +195,6 @@ def leaning_reflex(
             vx, vy, vz = out[leg]
             out[leg] = (vx, vy, vz - gains.pliancy / dt)  # C2 Δz
     return out, state
-
-
-def rotation(roll: float, pitch: float, yaw: float) -> tuple[float, ...]:
-    """Body axes to absolute axes: nine numbers, row by row."""
-    cr, sr, cp, sp, cy, sy = (
-        math.cos(roll),
-        math.sin(roll),
-        math.cos(pitch),
-        math.sin(pitch),
-        math.cos(yaw),
-        math.sin(yaw),
-    )
-    return (
-        cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr,
-        sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr,
-        -sp, cp * sr, cp * cr,
-    )  # fmt: skip
-
-
-def _turned(r: tuple[float, ...], p: Point) -> Point:
-    return (
-        r[0] * p[0] + r[1] * p[1] + r[2] * p[2],
-        r[3] * p[0] + r[4] * p[1] + r[5] * p[2],
-        r[6] * p[0] + r[7] * p[1] + r[8] * p[2],
-    )
-
-
-def unturned(r: tuple[float, ...], p: Point) -> Point:
-    """From absolute axes to body axes."""
-    return (
-        r[0] * p[0] + r[3] * p[1] + r[6] * p[2],
-        r[1] * p[0] + r[4] * p[1] + r[7] * p[2],
-        r[2] * p[0] + r[5] * p[1] + r[8] * p[2],
-    )
 
 
 def _towards(there: Point, here: Point, gain: float) -> Point:

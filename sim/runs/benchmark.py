@@ -18,18 +18,17 @@ from typing import Any
 from rich.console import Console as Terminal
 from rich.table import Table
 
+from walking_console.planner.config import Gains
 from walking_console.planner.control.foot_controller import (
-    Gains,
     ReflexState,
-    TrajectoryTracker,
     reflex,
 )
-from walking_console.planner.control.supervisor import DT
+from walking_console.planner.control.tracking import TrajectoryTracker
 from walking_console.planner.crab.gait import standard_stance
 from walking_console.planner.crab.planner import plan_step
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.terrain.map import TerrainMap
-from walking_console.planner.types import Blocked, Command, Gait, Sensing, Stance, StepPlan
+from walking_console.planner.types import TICK, Blocked, Command, Gait, Sensing, Stance, StepPlan
 from walking_console.sim.runs.recorder import Recorder
 from walking_console.sim.runs.runner import product_version, run_scenario
 from walking_console.sim.scenario import load_scenario
@@ -54,8 +53,10 @@ def measure() -> dict[str, Any]:
             "Level C tick, four legs": _figure(reflex_time() * 1e6, micro, "<= 15"),
             "headless tick, not recorded": _figure(tick_time(recorded=False) * 1e6, micro, "<= 60"),
             "headless tick, recorded": _figure(tick_time(recorded=True) * 1e6, micro, "<= 100"),
-            "headless speed, not recorded": _figure(DT / tick_time(recorded=False), real, ">= 330"),
-            "headless speed, recorded": _figure(DT / tick_time(recorded=True), real, ">= 200"),
+            "headless speed, not recorded": _figure(
+                TICK / tick_time(recorded=False), real, ">= 330"
+            ),
+            "headless speed, recorded": _figure(TICK / tick_time(recorded=True), real, ">= 200"),
             "whole run of scenario flat with its files": _figure(run_speed(), real, ""),
         },
     }
@@ -118,12 +119,12 @@ def reflex_time() -> float:
     sensing = Sensing(0, (x, y, z, 0.0, 0.0, yaw), feet, (True,) * 4, (0,) * 4, (False,) * 4)
     playback, gains = TrajectoryTracker(plan), Gains()
     state = ReflexState.begin(4)
-    ticks = int(playback.duration / DT)
+    ticks = int(playback.duration / TICK)
 
     def work() -> int:
         for _ in range(5):
             for k in range(ticks):
-                reflex(playback, k * DT, sensing, state, gains, DT)
+                reflex(playback, k * TICK, sensing, state, gains, TICK)
         return 5 * ticks
 
     return _median_of(work)
@@ -154,7 +155,7 @@ def run_speed() -> float:
         with tempfile.TemporaryDirectory() as folder:
             return int(run_scenario(scenario, Path(folder))["ticks"])
 
-    return DT / _median_of(work)
+    return TICK / _median_of(work)
 
 
 def print_figures(figures: dict[str, Any], terminal: Terminal) -> None:

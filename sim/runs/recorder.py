@@ -13,8 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from walking_console.planner.control.supervisor import DT
-from walking_console.planner.types import Mode, StepPlan
+from walking_console.planner.types import TICK, Mode, StepPlan
 from walking_console.sim.requests import input_record
 from walking_console.sim.simulation import Simulation
 
@@ -60,7 +59,7 @@ class Recorder:
         flags = bytes((*plant.soles, *carrying, mode))
         self.hash = blake2b(self._pack(self.hash, *state, *flags), digest_size=8).digest()
         floats = self._floats
-        floats.append(console.tick_count * DT)
+        floats.append(console.tick_count * TICK)
         floats.extend(state)
         floats.append(margin)
         floats.append(polygon)

@@ -14,11 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from walking_console.planner.control.supervisor import DT
 from walking_console.planner.robot.card import shown
 from walking_console.planner.robot.model import as_data, machine_from
 from walking_console.planner.trace.planner import ARRIVED
-from walking_console.planner.types import Command
+from walking_console.planner.types import TICK, Command
 from walking_console.sim.requests import Halt, TakePosture, input_from
 from walking_console.sim.runs.metrics import measured
 from walking_console.sim.runs.recorder import MODES, SCHEMA, Recorder
@@ -51,7 +50,7 @@ def timeline(scenario: Scenario) -> list[tuple[int, Command, TakePosture | Halt 
     """
     if scenario.trace is not None:
         return [(0, Command(0.0, scenario.trace.speed), None)]
-    return [(round(entry.t / DT), entry.command(), _request(entry)) for entry in scenario.drive]
+    return [(round(entry.t / TICK), entry.command(), _request(entry)) for entry in scenario.drive]
 
 
 def _request(entry: Drive) -> TakePosture | Halt | None:
@@ -107,7 +106,7 @@ def _walk_to_end(
     orders = timeline(scenario)
     last_order = orders[-1][0] if orders else 0
     time_end, distance_end = scenario.end.time, scenario.end.distance
-    ticks_max = round(scenario.time_limit / DT)
+    ticks_max = round(scenario.time_limit / TICK)
     blocked_ticks, next_order = 0, 0
     step, note, plant = console.step, recorder.note, console.plant
     for index in range(ticks_max):
@@ -126,7 +125,7 @@ def _walk_to_end(
         if console.walk.blocked is not None and console.walk.blocked.reason == ARRIVED:
             return "completed", ARRIVED
         blocked_ticks = blocked_ticks + 1 if console.walk.blocked is not None else 0
-        if blocked_ticks * DT >= BLOCKED_LIMIT and index >= last_order:
+        if blocked_ticks * TICK >= BLOCKED_LIMIT and index >= last_order:
             return "blocked", console.reason
         if progress is not None and index % PROGRESS_TICKS == 0:
             progress(console, _share(index / ticks_max, console.distance, distance_end))
@@ -141,7 +140,7 @@ def summarise(
     console: Simulation, recorder: Recorder, scenario: Scenario, result: str, reason: str
 ) -> dict[str, Any]:
     """``run.json``: what was run, how it ended, and each expectation held against what came."""
-    seconds = recorder.ticks * DT
+    seconds = recorder.ticks * TICK
     figures: dict[str, Any] = {
         "ticks": recorder.ticks,
         "seconds": seconds,
@@ -151,7 +150,7 @@ def summarise(
         "margin_min": recorder.margin_min if math.isfinite(recorder.margin_min) else None,
         "forbidden_steps": recorder.forbidden_steps,
         "falls": recorder.falls,
-        "emergent": dict(sorted(console.walk.emergent.items())),
+        "emergent": dict(sorted(console.walk.contacts.counts.items())),
         **measured(console, recorder),
     }
     return {
@@ -334,7 +333,7 @@ def replay(directory: Path) -> dict[str, Any]:
     for console, equal in rerun(directory):
         ticks = console.tick_count
         if not equal:
-            return {"equal": False, "first_difference": ticks - 1, "t": ticks * DT}
+            return {"equal": False, "first_difference": ticks - 1, "t": ticks * TICK}
     return {"equal": True, "ticks": ticks, "state_hash": read_run(directory)["state_hash"]}
 
 

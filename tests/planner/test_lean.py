@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from walking_console.planner.config import Gains
 from walking_console.planner.control.foot_controller import (
-    Gains,
     ReflexState,
-    TrajectoryTracker,
     reflex,
 )
+from walking_console.planner.control.tracking import TrajectoryTracker
 from walking_console.planner.geometry.transforms import attitude_of, rotation
 from walking_console.planner.motion.body_tilt import (
     LEAN_STEP,

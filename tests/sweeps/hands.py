@@ -140,7 +140,7 @@ class Watched:
         seen.way += math.hypot(plant.body[0] - x, plant.body[1] - y)
         seen.turned += abs(plant.body[5] - yaw)
         seen.yaw = plant.body[5]
-        seen.steps, seen.emergent = walk.steps_begun, dict(walk.emergent)
+        seen.steps, seen.emergent = walk.steps_begun, dict(walk.contacts.counts)
         if plant.state != "standing":
             seen.falls = 1
         carrying = walk.carrying()

@@ -71,9 +71,7 @@ def walked(slope: float, course: float, attitude: str, steps: int) -> Walked:
             half, begun = console.distance, console.walk.steps_begun
         lean = max(lean, math.hypot(console.plant.body[3], console.plant.body[4]))
         out = max(out, beyond(console))
-        if console.plant.state != "standing" or (
-            console.walk.blocked and console.walk.kind == "stand"
-        ):
+        if console.plant.state != "standing" or (console.walk.blocked and console.walk.stands):
             ended = console.reason
         elif console.tick_count > steps * TICKS_A_STEP:
             ended = "too slow"

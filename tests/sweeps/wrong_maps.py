@@ -12,10 +12,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from walking_console.planner.control.supervisor import DT
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.terrain.traversability import classify
-from walking_console.planner.types import Command, Mode
+from walking_console.planner.types import TICK, Command, Mode
 from walking_console.sim.scenario import scenario_from
 from walking_console.sim.simulation import Simulation
 from walking_console.sim.world import World, prepare
@@ -86,14 +85,14 @@ def walk(seed: int, base: World, mode: str) -> dict[str, object]:
     console = Simulation(world(seed, base, mode))
     console.order(Command(0.0, 0.08))
     hanging, steps, stuck = 0, 0, 0
-    for _ in range(round(TIME / DT)):
+    for _ in range(round(TIME / TICK)):
         console.step()
         if console.mode is Mode.FALLEN:
             return {
                 "result": "fell",
                 "distance": console.distance,
                 "hanging": hanging,
-                "emergent": console.walk.emergent,
+                "emergent": console.walk.contacts.counts,
             }
         if console.walk.steps_begun != steps:
             steps = console.walk.steps_begun
@@ -106,17 +105,17 @@ def walk(seed: int, base: World, mode: str) -> dict[str, object]:
                 "result": "reached",
                 "distance": console.distance,
                 "hanging": hanging,
-                "emergent": console.walk.emergent,
+                "emergent": console.walk.contacts.counts,
             }
         stuck = stuck + 1 if console.walk.blocked is not None else 0
-        if stuck * DT >= 10.0:
+        if stuck * TICK >= 10.0:
             return {"result": "stopped", "reason": console.reason, "distance": console.distance, "hanging": hanging,
-                    "emergent": console.walk.emergent}  # fmt: skip
+                    "emergent": console.walk.contacts.counts}  # fmt: skip
     return {
         "result": "time",
         "distance": console.distance,
         "hanging": hanging,
-        "emergent": console.walk.emergent,
+        "emergent": console.walk.contacts.counts,
     }
 
 

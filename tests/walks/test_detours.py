@@ -110,7 +110,7 @@ def test_a_hole_dug_ahead_is_seen_and_not_stepped_into():
     assert not console.perception.belief.forbidden[hole[0]]  # nobody has told it
     walk_on(console, 4500)
     assert console.plant.body[0] > 4.5 and abs(console.plant.body[1]) < 1.3
-    assert sum(console.walk.emergent.values()) == 0
+    assert sum(console.walk.contacts.counts.values()) == 0
 
 
 def test_a_run_with_an_eye_is_repeatable(tmp_path):

@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from walking_console.planner.control.supervisor import DT
 from walking_console.planner.crab.gait import critical_angle, stroke_length
 from walking_console.planner.crab.planner import cruise_speed
 from walking_console.planner.robot.model import load_machine
+from walking_console.planner.types import TICK
 from walking_console.sim.runs.runner import run_scenario, succeeded
 from walking_console.sim.scenario import ScenarioError, load_scenario
 from walking_console.web.figures import FIGURES, draw_figure
@@ -159,7 +159,7 @@ def test_the_walked_speed_is_that_of_the_formula(tmp_path, lift, pace):
         )
     )
     first, last = walk.row(4), walk.row(4 + 4 * ((len(walk.steps) - 4) // 4))
-    speed = (walk.course[last] - walk.course[first]) / ((last - first) * DT)
+    speed = (walk.course[last] - walk.course[first]) / ((last - first) * TICK)
     assert speed == pytest.approx(cruise_speed(walk.machine, walk.gait, 0.0), rel=0.01)
 
 

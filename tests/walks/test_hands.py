@@ -71,14 +71,14 @@ def test_a_body_that_waits_for_its_foot_does_not_wait_longer_when_the_stick_is_d
     console.order(Command(math.radians(-57.6), 0.08))
     for _ in range(500):
         console.step()
-        if console.walk.kind == "step" and console.walk.plan.shift < 1e-6:
+        if console.walk.steps and console.walk.plan.shift < 1e-6:
             break
     begun, plan = console.walk.steps_begun, console.walk.plan
-    assert console.walk.kind == "step" and plan.shift < 1e-6
+    assert console.walk.steps and plan.shift < 1e-6
     console.order(Command(math.radians(-57.6), 0.002))
-    for _ in range(math.ceil(console.walk.playback.duration / TICK)):
+    for _ in range(math.ceil(console.walk.run.tracker.duration / TICK)):
         console.step()
-    assert console.walk.steps_begun > begun or console.walk.kind == "stand"
+    assert console.walk.steps_begun > begun or console.walk.stands
 
 
 @pytest.mark.parametrize("ticks", [10, 60, 110, 160])
@@ -97,7 +97,9 @@ def test_a_foot_comes_down_at_its_own_speed_when_a_creeping_stick_is_pushed(tick
         for _ in range(8):
             console.step()
         console.order(Command(0.0, 0.004))
-    assert not console.walk.emergent and console.plant.state == "standing" and len(phases) > 1
+    assert (
+        not console.walk.contacts.counts and console.plant.state == "standing" and len(phases) > 1
+    )
 
 
 @pytest.mark.parametrize(("seed", "ground"), [(1, "flat"), (2, "cells"), (2020, "flat")])

@@ -9,6 +9,7 @@ import random
 import numpy as np
 import pytest
 
+from walking_console.planner.control.supervisor import Activity
 from walking_console.planner.crab.measures import is_standard, off_standard
 from walking_console.planner.types import POSTURES, Command, Mode
 from walking_console.sim.perception import disc
@@ -58,7 +59,7 @@ def ask(console: Simulation, posture: str, seconds: float = 20.0) -> None:
 def off(console: Simulation) -> float:
     """How far the machine stands from its standard layout, as a share of the stride."""
     walk = console.walk
-    return off_standard(walk.machine, walk.gait, walk.crab_angle, walk.stance)
+    return off_standard(walk.run.machine, walk.run.gait, walk.crab_angle, walk.stance)
 
 
 # whole walks
@@ -254,7 +255,7 @@ def test_letting_go_while_it_rises_to_walk_stops_it_at_once_and_the_next_command
     assert console.plant.body[2] == pytest.approx(z, abs=1e-9) and console.mode is Mode.STAND
     console.order(WALK)
     run(console, 5 * SECOND)
-    assert console.plant.body[2] == pytest.approx(0.85, abs=1e-6) and console.walk.kind == "step"
+    assert console.plant.body[2] == pytest.approx(0.85, abs=1e-6) and console.walk.steps
 
 
 @pytest.mark.parametrize("settings", ((), SIX))
@@ -373,7 +374,7 @@ def test_blocked_it_still_sits_down_and_stands_up():
 
 def test_with_a_foot_in_the_air_over_nothing_it_refuses_and_says_why():
     console = without_ground("dig")
-    assert console.walk.kind == "hover"
+    assert console.walk.activity is Activity.HOVER
     ask(console, "sit")
     assert console.mode is Mode.BLOCKED and "a foot is in the air" in console.refused
 
@@ -419,7 +420,7 @@ def test_a_hole_nobody_knew_of_under_a_foot_on_its_way_is_felt_and_the_feet_stil
         run(console, 1)
         if not console.walk.posing:
             break
-    assert console.walk.emergent.get("no ground", 0) >= 1
+    assert console.walk.contacts.counts.get("no ground", 0) >= 1
     assert console.mode is Mode.STAND and all(console.plant.soles), console.reason
     off_place = [math.dist(foot[:2], landing[:2]) for foot in console.plant.feet]
     assert min(off_place) > 0.04, "no foot stands in the hole"

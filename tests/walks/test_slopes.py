@@ -67,7 +67,7 @@ class Hill:
                     plant.sense().feet_b[leg], (legs[leg].x, legs[leg].y, legs[leg].z), strict=True
                 ):
                     self.out = max(self.out, low - value, value - high)
-            roll, pitch = attitude_of(walk.playback.lean_at(walk.t), plant.body[5])
+            roll, pitch = attitude_of(walk.run.tracker.lean_at(walk.run.t), plant.body[5])
             self.off = max(self.off, abs(plant.body[3] - roll), abs(plant.body[4] - pitch))
             self.tilt = max(self.tilt, abs(plant.body[3]), abs(plant.body[4]))
 
@@ -77,7 +77,7 @@ class Hill:
         end = console.walk.steps_begun + steps
         while console.walk.steps_begun < end and console.plant.state == "standing":
             self.tick()
-            assert not (console.walk.blocked and console.walk.kind == "stand"), console.reason
+            assert not (console.walk.blocked and console.walk.stands), console.reason
             assert console.tick_count < 20_000
 
     def is_well(self):
@@ -87,7 +87,7 @@ class Hill:
             and self.recorder.forbidden_steps == 0
             and self.recorder.falls == 0
         )
-        assert self.out <= OUT and not self.console.walk.emergent
+        assert self.out <= OUT and not self.console.walk.contacts.counts
 
 
 @pytest.mark.parametrize("course", range(0, 360, 45))
@@ -204,7 +204,7 @@ def test_it_turns_on_a_slope_it_leans_with():
 def test_a_hole_that_nobody_knew_of_is_met_leaning():
     hill = Hill(10, 0, "ground")
     hill.walk(8)
-    before = dict(hill.console.walk.emergent)
+    before = dict(hill.console.walk.contacts.counts)
     hill.console.perception.mapper = None
     x, y, _ = (hill.console.walk.ready or hill.console.walk.plan).landing
     belief = hill.console.perception.belief
@@ -214,7 +214,7 @@ def test_a_hole_that_nobody_knew_of_is_met_leaning():
     hill.tick()
     hill.console.perception.belief = belief  # the map still shows what was there
     hill.walk(4)
-    assert hill.console.walk.emergent.get("no ground", 0) > before.get("no ground", 0)
+    assert hill.console.walk.contacts.counts.get("no ground", 0) > before.get("no ground", 0)
     assert hill.console.plant.state == "standing" and hill.recorder.margin_min >= LOWEST
     assert hill.console.walk.stance.lean != LEVEL
 

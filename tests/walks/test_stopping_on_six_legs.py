@@ -56,7 +56,7 @@ def test_feet_still_in_the_air_when_it_stands_are_not_meant_to_carry() -> None:
     console = hexapod(1, 0.1)
     console.order(Command(speed=0.12))
     while not any(
-        console.walk.plan.phases[console.walk.playback.stretch(console.walk.t)] == phase
+        console.walk.plan.phases[console.walk.run.tracker.stretch(console.walk.run.t)] == phase
         for phase in (2,)
     ):
         console.step()
@@ -64,7 +64,7 @@ def test_feet_still_in_the_air_when_it_stands_are_not_meant_to_carry() -> None:
     console.order(Command())
     for _ in range(200):
         console.step()
-    assert console.walk.kind == "stand" and swinging
+    assert console.walk.stands and swinging
     carrying = console.walk.carrying()
     assert all(sole for sole, carries in zip(console.plant.soles, carrying, strict=True) if carries)
     assert all(console.plant.soles[leg] or leg in console.walk.stance.lifted for leg in swinging)
@@ -77,14 +77,10 @@ def test_a_leg_that_waited_in_the_air_carries_again_once_it_is_set_down() -> Non
     for _ in range(400):
         console.order(Command(speed=0.1))
         console.step()
-        if console.walk.kind == "step" and console.walk.stance.lifted:
+        if console.walk.steps and console.walk.stance.lifted:
             break
     assert console.walk.stance.lifted
     for _ in range(150):
         console.order(Command())
         console.step()
-    assert (
-        console.walk.kind == "stand"
-        and console.walk.stance.lifted == ()
-        and all(console.plant.soles)
-    )
+    assert console.walk.stands and console.walk.stance.lifted == () and all(console.plant.soles)

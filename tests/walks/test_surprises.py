@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from walking_console.planner.control.contact_reflexes import TABLE, Event, State
+from walking_console.planner.control.contact_reflexes import TABLE, ContactEvent, FootState
 from walking_console.planner.stability import MARGIN_SLACK
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.types import Command, Mode
@@ -35,7 +35,11 @@ def states_met(console, command, ticks):
     console.order(command)
     for _ in range(ticks):
         console.step()
-        state = console.walk.encounter.state if console.walk.encounter else State.NORMAL
+        state = (
+            console.walk.contacts.encounter.state
+            if console.walk.contacts.encounter
+            else FootState.NORMAL
+        )
         if state not in met or not console_states or console_states[-1] is not state:
             console_states.append(state)
         met.add(state)
@@ -46,11 +50,11 @@ def states_met(console, command, ticks):
 
 def test_every_state_has_a_way_in_and_a_way_out():
     into, out = {after for after in TABLE.values()}, {state for state, _ in TABLE}
-    assert into == out == set(State)
+    assert into == out == set(FootState)
 
 
 def test_every_event_is_known_somewhere():
-    assert {event for _, event in TABLE} == set(Event)
+    assert {event for _, event in TABLE} == set(ContactEvent)
 
 
 @pytest.mark.parametrize(
@@ -61,7 +65,7 @@ def test_it_walks_blind_over_ground_it_has_no_map_of(scenario, ticks, way):
     console = blind(scenario)
     states_met(console, SLOW, ticks)
     assert console.distance > way, console.reason
-    assert sum(console.walk.emergent.values()) > 0
+    assert sum(console.walk.contacts.counts.values()) > 0
 
 
 def test_a_hit_stops_the_body_within_one_tick_and_the_foot_goes_back_up_and_over():
@@ -77,28 +81,28 @@ def test_a_hit_stops_the_body_within_one_tick_and_the_foot_goes_back_up_and_over
     assert console.mode is Mode.EMERGENT
     assert console.plant.body[0] == pytest.approx(x, abs=1e-9)
     sequence = states_met(console, SLOW, 400)
-    assert sequence[:2] == [State.RETRACE, State.RETRY]
-    assert State.NORMAL in sequence
+    assert sequence[:2] == [FootState.RETRACE, FootState.RETRY]
+    assert FootState.NORMAL in sequence
 
 
 def test_a_higher_obstacle_is_climbed_in_steps():
     console = blind("block", "terrain.height=0.25")
-    assert State.CLIMB in states_met(console, SLOW, 4000)
+    assert FootState.CLIMB in states_met(console, SLOW, 4000)
 
 
 def test_missing_ground_is_searched_below_marked_and_the_foot_put_elsewhere():
     console = blind("holes", "terrain.fraction=0.2")
     begun = console.perception.belief.forbidden.sum()
     sequence = states_met(console, SLOW, 4000)
-    assert State.DESCEND in sequence and State.PLACE in sequence
+    assert FootState.DESCEND in sequence and FootState.PLACE in sequence
     assert console.perception.belief.forbidden.sum() > begun
-    assert console.walk.emergent.get("no ground", 0) > 0
+    assert console.walk.contacts.counts.get("no ground", 0) > 0
 
 
 def test_a_pole_in_the_way_is_marked_on_the_map():
     console = blind("poles")
     sequence = states_met(console, SLOW, 6000)
-    assert State.RETRACE in sequence
+    assert FootState.RETRACE in sequence
 
 
 def test_what_was_learnt_stays_learnt():
@@ -117,7 +121,7 @@ def test_a_foothold_on_an_edge_is_left_again_and_a_strip_along_the_edge_is_marke
     console = blind("stairs-up", "terrain.at=1.0")
     begun = int(console.perception.belief.forbidden.sum())
     met = set(states_met(console, SLOW, 1600))
-    assert State.WITHDRAW in met
+    assert FootState.WITHDRAW in met
     assert (
         int(console.perception.belief.forbidden.sum()) - begun > 6
     )  # more than the cells under a sole
@@ -150,12 +154,12 @@ def test_a_foot_without_any_ground_waits_with_a_reason_and_goes_on_when_there_is
         console.step()
         if console.mode is Mode.BLOCKED:
             break
-    assert console.walk.encounter.state is State.STRANDED
+    assert console.walk.contacts.encounter.state is FootState.STRANDED
     assert "no ground within reach" in console.reason
     console.request(Edit("clear", hole))
     console.order(HOLD)
     console.step()
     console.order(SLOW)
     states = states_met(console, SLOW, 1500)
-    assert State.NORMAL in states
+    assert FootState.NORMAL in states
     assert console.mode not in (Mode.BLOCKED, Mode.EMERGENT)

@@ -11,9 +11,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from walking_console.planner.control.supervisor import DT
 from walking_console.planner.crab.planner import cruise_speed
 from walking_console.planner.geometry.paths import Box
+from walking_console.planner.types import TICK
 from walking_console.web.figures import LIFT, LINES, PACE
 from walking_console.web.figures.run_data import RecordedWalk, degrees
 from walking_console.web.figures.side_view import (
@@ -550,4 +550,4 @@ def walked_speed(walk: RecordedWalk) -> float:
     """Mean speed over whole cycles of four steps, the first one left out."""
     last = 4 + 4 * ((len(walk.steps) - 4) // 4)
     first, end = walk.row(4), walk.row(last)
-    return float((walk.course[end] - walk.course[first]) / ((end - first) * DT))
+    return float((walk.course[end] - walk.course[first]) / ((end - first) * TICK))

@@ -7,16 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from walking_console.planner.config import Gains
 from walking_console.planner.control.foot_controller import (
-    TICK,
-    Gains,
     ReflexState,
-    TrajectoryTracker,
     reflex,
 )
+from walking_console.planner.control.tracking import TrajectoryTracker
 from walking_console.planner.motion.step_builder import holding_plan
 from walking_console.planner.robot.model import load_machine
-from walking_console.planner.types import Phase, Point, Sensing, Stance, StepPlan
+from walking_console.planner.types import TICK, Phase, Point, Sensing, Stance, StepPlan
 
 TITAN = load_machine("titan3")
 HEIGHT = TITAN.height

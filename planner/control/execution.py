@@ -1,0 +1,229 @@
+"""The plan that runs: how far it has got, and where the machine really is beside it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from ..config import PlannerConfig, Tolerances
+from ..geometry.transforms import attitude_of, direction
+from ..motion.step_builder import holding_plan
+from ..robot.model import Machine
+from ..types import TICK, Command, Gait, Phase, Point, Sensing, Stance, StepPlan
+from .foot_controller import ReflexState, reflex
+from .tracking import TrajectoryTracker
+
+END = 1e-9  # s; a plan with less than this to go is over
+
+
+class Execution:
+    """What Level C is at, between one step-switching point and the next.
+
+    ``stance`` is that of the last N_k, ``t`` the time into the running plan (s), ``pace`` how many
+    seconds of it are played a second, ``interrupted`` the step that a settling or a contact reflex
+    cut short.
+    """
+
+    def __init__(
+        self,
+        machine: Machine,
+        gait: Gait,
+        stance: Stance,
+        config: PlannerConfig | None = None,
+        plant: Tolerances | None = None,
+    ) -> None:
+        self.machine = machine
+        self.gait = gait
+        self.config = config or PlannerConfig()
+        self.tolerances = self.config.tracking.within(plant or Tolerances())
+        self.stance = stance
+        self.tracker = TrajectoryTracker(holding_plan(stance))
+        self.t = 0.0
+        self.pace = 0.0
+        self.reflexes = ReflexState.begin(len(machine.legs))
+        self.interrupted: StepPlan | None = None
+
+    # the plan
+
+    @property
+    def plan(self) -> StepPlan:
+        """The plan that runs; a machine that stands plays one that holds."""
+        return self.tracker.plan
+
+    @property
+    def phase(self) -> Phase:
+        """What the swing legs do now."""
+        return self.tracker.phase(self.t)
+
+    @property
+    def on_all_feet(self) -> bool:
+        """True on stretches in which no leg swings."""
+        phase = self.phase
+        return phase is Phase.SUPPORT or phase is Phase.SHIFT
+
+    def play(self, plan: StepPlan) -> None:
+        """Begin a plan."""
+        self.tracker = TrajectoryTracker(plan)
+        self.reflexes = self.reflexes.next_step()
+        self.t = 0.0
+
+    def hold(self, stance: Stance) -> None:
+        """Stand as it stands, from a step-switching point on."""
+        self.stance = stance
+        self.play(holding_plan(stance))
+        self.pace = 0.0
+
+    def pace_for(self, command: Command) -> float:
+        """How fast to play the step: a change of speed inside it takes effect at once, never above
+        its v_max.
+
+        A body that waits for its foot is not kept waiting longer by a slower command.
+        """
+        plan = self.plan
+        if plan.speed <= 0.0:
+            return 1.0
+        wanted = math.hypot(command.speed, self.machine.yaw_length * command.turn_rate)
+        if plan.speed_max > 0.0:
+            wanted = min(wanted, plan.speed_max)
+        ratio = wanted / plan.speed
+        if ratio > 1.0 + 1e-12:
+            return min(ratio, max(1.0, self.tracker.pace_max(self.t, self.machine)))
+        return ratio if ratio < 1.0 and self.tracker.body_moves(self.t) else 1.0
+
+    def time_ahead(self) -> tuple[float, float]:
+        """Time into the plan one tick on, and how much of the tick, s, its end leaves over."""
+        if self.pace > 1.0:
+            return self.tracker.onward(self.t, TICK, self.pace, self.machine)
+        t_next = self.t + self.pace * TICK
+        return t_next, (t_next - self.tracker.duration) / self.pace if self.pace > 0.0 else 0.0
+
+    def is_over(self, t: float) -> bool:
+        """True when the plan has come to its end by ``t``."""
+        return t >= self.tracker.duration - END
+
+    def velocities_to(self, t_next: float, sensing: Sensing) -> list[Point]:
+        """Level C of this tick: foot velocities in body axes, m/s, in leg order."""
+        velocities, self.reflexes = reflex(
+            self.tracker, t_next, sensing, self.reflexes, self.config.gains, TICK
+        )
+        self.t = t_next
+        return velocities
+
+    # the legs
+
+    def carrying(self, standing: bool) -> tuple[bool, ...]:
+        """Legs meant to carry: all that do not swing, and swing legs that have landed early."""
+        legs = range(len(self.machine.legs))
+        if standing:
+            return tuple(leg not in self.stance.lifted for leg in legs)
+        plan = self.plan
+        swing = set() if self.on_all_feet else {leg for leg in plan.swing if not self.landed(leg)}
+        raised = {leg for leg in plan.end.lifted if leg not in plan.swing}
+        return tuple(leg not in swing and leg not in raised for leg in legs)
+
+    def landed(self, leg: int) -> bool:
+        """True of a swing leg that has touched down in this plan."""
+        return self.reflexes.landed[leg]
+
+    def in_the_air(self) -> list[int]:
+        """Swing legs that are in the air now."""
+        if self.on_all_feet:
+            return [leg for leg in self.plan.swing if leg in self.stance.lifted]
+        return [leg for leg in self.plan.swing if not self.landed(leg)]
+
+    # where the machine really is
+
+    def held_back(self, sensing: Sensing) -> bool:
+        """True when the body is not where the plan has it: pushed, slid, or against an obstacle."""
+        x, y, _, _ = self.tracker.body_at(self.t)
+        limit = self.tolerances.held_back
+        return abs(x - sensing.body[0]) > limit or abs(y - sensing.body[1]) > limit
+
+    def arrived(self, sensing: Sensing) -> Stance:
+        """The stance at N_{k+1}: the plan's end when all went as planned up to this tick, in which
+        the last of the way is still to go.
+        """
+        end = self.plan.end
+        now = self.tracker.body_at(self.t)
+        actual = self.actual(sensing, replace(end, body=now, lean=self.tracker.lean_at(self.t)))
+        return end if actual.body == now and actual.feet == end.feet else actual
+
+    def actual(self, sensing: Sensing, expected: Stance) -> Stance:
+        """The sensed stance, or ``expected`` itself when it came out so."""
+        x, y, z, roll, pitch, yaw = sensing.body
+        feet = feet_absolute(sensing)
+        lean = self.tracker.lean_at(self.t)
+        if lean != expected.lean:
+            expected = replace(expected, lean=lean)
+        if self.tracker.leans:
+            wanted_roll, wanted_pitch = attitude_of(lean, yaw)
+            roll -= wanted_roll
+            pitch -= wanted_pitch
+        ex, ey, ez, eyaw = expected.body
+        off = max(abs(x - ex), abs(y - ey), abs(z - ez), abs(yaw - eyaw), abs(roll), abs(pitch))
+        for foot, wanted in zip(feet, expected.feet, strict=True):
+            off = max(off, *(abs(a - b) for a, b in zip(foot, wanted, strict=True)))
+        if off <= self.tolerances.same_place:
+            return expected
+        return replace(expected, body=(x, y, z, yaw), feet=feet)
+
+    def remembered(self, sensing: Sensing, cut_short: StepPlan | None, settling: bool) -> Stance:
+        """What the planner should remember after a step that was cut short: who swung last, if
+        anybody did. ``settling``: a plan that set feet down has run since.
+        """
+        lifted = self.plan.end.lifted if settling else ()
+        if cut_short is None or cut_short.landing is None or not cut_short.swing:
+            same = self.stance.lifted == lifted
+            return self.stance if same else replace(self.stance, lifted=lifted)
+        u = cut_short.swing[0]
+        at = self.actual(sensing, cut_short.end).feet[u]
+        off = math.hypot(at[0] - cut_short.landing[0], at[1] - cut_short.landing[1])
+        finished = off <= self.tolerances.landed_as_planned
+        return replace(
+            cut_short.end,
+            last_swing=u if finished else self.stance.last_swing,
+            lifted=lifted,
+            course=self._course_at(sensing, cut_short),
+        )
+
+    def _course_at(self, sensing: Sensing, plan: StepPlan) -> float:
+        """s where the body stands in a step cut short, m: between its ends by how far it has got."""
+        start = plan.body[0]
+        end = plan.end.body
+        rho = self.machine.yaw_length
+        way = math.hypot(end[0] - start[0], end[1] - start[1], rho * (end[3] - start[3]))
+        if way < self.tolerances.same_place:
+            return plan.end.course
+        x, y, yaw = sensing.body[0], sensing.body[1], sensing.body[5]
+        gone = math.hypot(x - start[0], y - start[1], rho * (yaw - start[3]))
+        return self.stance.course + min(gone / way, 1.0) * (plan.end.course - self.stance.course)
+
+    def as_planned(self, came: Stance, planned: Stance) -> bool:
+        """True when a plan came out near enough to what the next one of its posture begins with."""
+        if came is planned:
+            return True
+        body = zip(came.body, planned.body, strict=True)
+        feet = (
+            pair
+            for one, two in zip(came.feet, planned.feet, strict=True)
+            for pair in zip(one, two, strict=True)
+        )
+        return all(abs(a - b) <= self.tolerances.body_off for a, b in body) and all(
+            abs(a - b) <= self.tolerances.foot_off for a, b in feet
+        )
+
+
+def feet_absolute(sensing: Sensing) -> tuple[Point, ...]:
+    """Foot tips in the absolute frame from position monitors, posture and dead reckoning, m."""
+    x, y, z, roll, pitch, yaw = sensing.body
+    cr, sr = direction(roll)
+    cp, sp = direction(pitch)
+    cy, sy = direction(yaw)
+    feet = []
+    for fx, fy, fz in sensing.feet_b:
+        ry = cr * fy - sr * fz
+        rz = sr * fy + cr * fz
+        px = cp * fx + sp * rz
+        pz = cp * rz - sp * fx
+        feet.append((x + cy * px - sy * ry, y + sy * px + cy * ry, z + pz))
+    return tuple(feet)

@@ -1,0 +1,161 @@
+"""The conversation of Levels B and C: which step is asked for, how far its planning is, what is ready.
+
+While step k is walked, step k+1 is planned from the stance expected at N_{k+1} (H §4.4), a few
+slices a tick. Flags as in H §9.3: F1 Level C has called for a plan, F2 the plan is ready, F3 Level C
+wants it now.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from ..config import Planning
+from ..geometry.transforms import direction
+from ..protocols import Planner, PlanningJob
+from ..terrain.map import TerrainMap
+from ..types import Blocked, Command, Stance, StepPlan
+
+Flags = tuple[bool, bool, bool]  # F1, F2, F3
+
+IDLE: Flags = (False, False, False)
+ASKED: Flags = (True, False, False)
+READY: Flags = (False, True, False)
+WANTED: Flags = (True, False, True)
+
+
+class Question(NamedTuple):
+    """What a step is planned for."""
+
+    stance: Stance
+    command: Command
+    terrain: TerrainMap
+
+
+class PlanJob:
+    """The planning of the next step, across ticks. ``refused`` is what the last ``Blocked`` answered."""
+
+    def __init__(self, planner: Planner, yaw_length: float, settings: Planning) -> None:
+        self.planner = planner
+        self.settings = settings
+        self.flags = IDLE
+        self.asked: Question | None = None
+        self.refused: tuple[Command, TerrainMap] | None = None
+        self._yaw_length = yaw_length
+        self._job: PlanningJob | None = None
+        self._ready: StepPlan | Blocked | None = None
+        # a step planned to its end for a command much like this one
+        self._spare: tuple[Command, StepPlan] | None = None
+        self._waited = 0  # ticks Level C has waited for the step
+
+    @property
+    def ready(self) -> StepPlan | None:
+        """The next step, once it is planned."""
+        return self._ready if isinstance(self._ready, StepPlan) else None
+
+    def consider(self, question: Question, slices: int) -> None:
+        """Ask for a step unless just that was asked already; plan a little further on it.
+
+        While the stick moves a little, or only farther out, a job is finished all the same, and its
+        step is kept while the next is begun.
+        """
+        if self._begins_with(question):
+            self.asked = question
+            self._job = self.planner.plan(*question)
+            self._ready = None
+            self.flags = ASKED
+        if self._ready is None:
+            self._go_on(slices)
+
+    def _begins_with(self, question: Question) -> bool:
+        """True when a new job is to be begun; what is ready already is kept where it may serve."""
+        asked = self.asked
+        if (
+            asked is None
+            or asked.stance is not question.stance
+            or asked.terrain is not question.terrain
+        ):
+            self._spare = None
+            return True
+        if asked.command == question.command:
+            return False
+        if self._ready is None and self.alike(asked.command, question.command):
+            return False
+        if isinstance(self._ready, StepPlan):
+            self._spare = asked.command, self._ready
+        return True
+
+    def answer(self, command: Command) -> StepPlan | Blocked | None:
+        """The step that is ready, for this command or for one alike; None when there is none yet."""
+        if self._ready is not None or self._spare is None:
+            return self._ready
+        return self._spare[1] if self.alike(self._spare[0], command) else None
+
+    def stance_asked(self, command: Command, terrain: TerrainMap) -> Stance | None:
+        """The stance the running job plans from, when it is one for such a command on this map."""
+        asked = self.asked
+        if asked is None or asked.terrain is not terrain:
+            return None
+        return asked.stance if self.alike(asked.command, command) else None
+
+    def answer_standing(self, question: Question) -> StepPlan | Blocked | None:
+        """One tick of planning a step from a standstill; after a few ticks the best so far will do."""
+        slices = self.settings.slices_wanted
+        self.consider(question, slices)
+        self._waited += 1
+        if self._waited >= self.settings.wait_max and self.answer(question.command) is None:
+            self._go_on(slices, wanted_now=True)
+        return self.answer(question.command)
+
+    def alike(self, one: Command, other: Command) -> bool:
+        """True when a step for one command will do for the other: another speed, and all but the
+        same course.
+        """
+        if one == other:
+            return True
+        if one.holds or other.holds:
+            return False
+        ax, ay, at = self._velocity(one)
+        bx, by, bt = self._velocity(other)
+        least = math.cos(self.settings.alike) * math.hypot(ax, ay, at) * math.hypot(bx, by, bt)
+        return ax * bx + ay * by + at * bt >= least
+
+    def _velocity(self, command: Command) -> tuple[float, float, float]:
+        """Of the body ahead, to the left and, at the yaw length, round, m/s."""
+        c, s = direction(command.crab_angle)
+        return command.speed * c, command.speed * s, self._yaw_length * command.turn_rate
+
+    def _go_on(self, slices: int, wanted_now: bool = False) -> None:
+        if self._job is None:
+            return
+        try:
+            for _ in range(slices):
+                if wanted_now:
+                    self._job.send(True)
+                else:
+                    next(self._job)
+        except StopIteration as done:
+            self._ready = done.value
+            self._job = None
+            self.flags = READY
+
+    def forget(self) -> None:
+        """Nothing is asked for and nothing is ready."""
+        self.asked = None
+        self._job = None
+        self._ready = None
+        self._spare = None
+
+    def begun(self) -> None:
+        """The step that was ready has begun: the next one is to be asked for."""
+        self.forget()
+        self._waited = 0
+        self.flags = ASKED
+
+    def rest(self, keep_job: bool = False) -> None:
+        """Level C stands and wants no step; a job under way may be gone on with."""
+        self.refused = None
+        self._waited = 0
+        if not keep_job:
+            self.forget()
+            self.flags = IDLE

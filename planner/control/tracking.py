@@ -1,0 +1,202 @@
+"""A step plan made ready to be followed: where it has the body and every foot at any time.
+
+Plain floats and flat code: this is evaluated every tick.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from typing import NamedTuple
+
+from ..geometry.transforms import Body, attitude_of, direction, left_fold_sum
+from ..robot.model import Machine
+from ..types import Phase, Point, StepPlan
+
+LEVEL_LEAN = (0.0, 0.0)  # gradient of the body's floor
+
+
+class Stretch(NamedTuple):
+    """One straight line between knots, unpacked into plain floats."""
+
+    start: float  # s
+    body: Body  # x, y, z, yaw at its start
+    rate: tuple[float, float, float, float]  # per second
+    air: tuple[int, ...]  # legs in the air
+    stand: tuple[int, ...]  # legs that carry
+    down: bool  # the legs in the air are coming down: a touch is a landing
+    # x, y, z and their rates, one row per leg
+    feet: tuple[tuple[float, float, float, float, float, float], ...]
+    ground: float  # mean z of the carrying feet, m
+
+
+class TrajectoryTracker:
+    """A ``StepPlan`` made ready to be evaluated tick by tick."""
+
+    __slots__ = ("plan", "duration", "leans", "asked", "stretches", "_times", "_last", "_paces")
+
+    def __init__(self, plan: StepPlan) -> None:
+        times, body, feet = plan.times.tolist(), plan.body.tolist(), plan.feet.tolist()
+        self.plan = plan
+        self.duration: float = times[-1]
+        self._times: list[float] = times
+        self.stretches = [_stretch(plan, k, times, body, feet) for k in range(len(times) - 1)]
+        self._last = 0
+        self._paces: list[float] | None = None
+        after = plan.end.lean
+        before = after if plan.lean is None else plan.lean
+        self.leans = before != LEVEL_LEAN or after != LEVEL_LEAN
+        # roll and pitch Level C last asked for
+        self.asked = attitude_of(before, body[0][3]) if self.leans else LEVEL_LEAN
+
+    def stretch(self, t: float) -> int:
+        """Index of the stretch between knots that contains t; a knot belongs to the stretch that
+        ends there.
+        """
+        times, k = self._times, self._last
+        if not times[k] < t <= times[k + 1]:
+            k = min(max(bisect_right(times, t) - 1, 0), len(times) - 2)
+            if k > 0 and times[k] == t:
+                k -= 1
+            self._last = k
+        return k
+
+    def phase(self, t: float) -> Phase:
+        """What the swing legs do at t."""
+        return self.plan.phases[self.stretch(t)]
+
+    def body_at(self, t: float) -> Body:
+        """Where the plan has the body at t: x, y, z, yaw."""
+        start, (x, y, z, yaw), (vx, vy, vz, turn), *_ = self.stretches[self.stretch(t)]
+        s = min(max(t, 0.0), self.duration) - start
+        return x + vx * s, y + vy * s, z + vz * s, yaw + turn * s
+
+    def body_moves(self, t: float) -> bool:
+        """True when the plan has the body go or turn at t."""
+        vx, vy, _, turn = self.stretches[self.stretch(t)].rate
+        return vx != 0.0 or vy != 0.0 or turn != 0.0
+
+    def foot_at(self, leg: int, t: float) -> Point:
+        """Where the plan has one foot tip at t."""
+        stretch = self.stretches[self.stretch(t)]
+        s = min(max(t, 0.0), self.duration) - stretch.start
+        x, y, z, vx, vy, vz = stretch.feet[leg]
+        return x + vx * s, y + vy * s, z + vz * s
+
+    def lean_at(self, t: float) -> tuple[float, float]:
+        """How the plan has the body lean at t."""
+        after = self.plan.end.lean
+        before = self.plan.lean
+        if before is None or before == after or t >= self.duration:
+            return after
+        share = max(t, 0.0) / self.duration
+        return before[0] + share * (after[0] - before[0]), before[1] + share * (
+            after[1] - before[1]
+        )
+
+    def pace_max(self, t: float, machine: Machine) -> float:
+        """How many times faster than planned the stretch at t may be played before a foot exceeds
+        its limit.
+        """
+        return self._paces_of(machine)[self.stretch(t)]
+
+    def _paces_of(self, machine: Machine) -> list[float]:
+        if self._paces is None:
+            # a leaning leg goes sideways as it goes up
+            tilt = max(math.hypot(*self.lean_at(0.0)), math.hypot(*self.plan.end.lean))
+            limits = (
+                machine.speed[0] / (1.0 + tilt),
+                machine.speed[1] / (1.0 + tilt),
+                machine.speed[2] / (1.0 + tilt),
+            )
+            self._paces = [
+                _pace(stretch, end, limits)
+                for stretch, end in zip(self.stretches, self._times[1:], strict=True)
+            ]
+        return self._paces
+
+    def onward(
+        self, t: float, seconds: float, pace: float, machine: Machine
+    ) -> tuple[float, float]:
+        """Where playing from t at ``pace`` times the plan's speed gets in so many seconds, and the
+        seconds left at its end.
+
+        No stretch is played faster than its feet allow: the foot of a creeping body comes down no
+        faster than ever.
+        """
+        times, paces = self._times, self._paces_of(machine)
+        for k in range(max(bisect_right(times, t) - 1, 0), len(paces)):
+            allowed = min(pace, max(1.0, paces[k]))
+            needed = (times[k + 1] - t) / allowed
+            if needed > seconds:
+                return t + allowed * seconds, 0.0
+            t, seconds = times[k + 1], seconds - needed
+        return t, seconds
+
+
+def _stretch(
+    plan: StepPlan,
+    k: int,
+    times: list[float],
+    body: list[list[float]],
+    feet: list[list[list[float]]],
+) -> Stretch:
+    phase = plan.phases[k]
+    air = plan.swing
+    # a supporting foot does not move in the absolute frame; one that waits in the air goes with the
+    # body
+    if phase is Phase.SUPPORT:
+        air = tuple(leg for leg in air if feet[k][leg] != feet[k + 1][leg])
+    stand = tuple(leg for leg in range(len(feet[0])) if leg not in air)
+    duration = times[k + 1] - times[k]
+    per_second = 1.0 / duration if duration > 0.0 else 0.0
+    x, y, z, yaw = body[k]
+    rate = [(b - a) * per_second for a, b in zip(body[k], body[k + 1], strict=True)]
+    rows = [_row(a, b, per_second) for a, b in zip(feet[k], feet[k + 1], strict=True)]
+    ground = left_fold_sum(rows[leg][2] for leg in stand) / len(stand) if stand else 0.0
+    return Stretch(
+        times[k],
+        (x, y, z, yaw),
+        (rate[0], rate[1], rate[2], rate[3]),
+        air,
+        stand,
+        phase is Phase.DOWN,
+        tuple(rows),
+        ground,
+    )
+
+
+def _row(
+    a: list[float], b: list[float], per_second: float
+) -> tuple[float, float, float, float, float, float]:
+    """Where a foot begins, and its velocity."""
+    return (
+        a[0],
+        a[1],
+        a[2],
+        (b[0] - a[0]) * per_second,
+        (b[1] - a[1]) * per_second,
+        (b[2] - a[2]) * per_second,
+    )
+
+
+def _pace(stretch: Stretch, end: float, limits: tuple[float, float, float]) -> float:
+    """Limit over speed of the fastest foot axis of one stretch, body axes; infinite when nothing
+    moves.
+    """
+    share = 0.0
+    duration = end - stretch.start
+    # a turning body: three looks, good to a percent
+    for s in (0.0, duration / 2, duration) if stretch.rate[3] else (0.0,):
+        x, y, _, yaw = (
+            value + rate * s for value, rate in zip(stretch.body, stretch.rate, strict=True)
+        )
+        c, d = direction(yaw)
+        turn = stretch.rate[3]
+        for fx, fy, _, vx, vy, vz in stretch.feet:
+            # seen from the turning body, absolute axes
+            wx = vx - stretch.rate[0] + turn * (fy + vy * s - y)
+            wy = vy - stretch.rate[1] - turn * (fx + vx * s - x)
+            axes = (c * wx + d * wy, c * wy - d * wx, vz - stretch.rate[2])
+            share = max(share, *(abs(v) / limit for v, limit in zip(axes, limits, strict=True)))
+    return 1.0 / share if share > 0.0 else math.inf
