@@ -242,3 +242,19 @@ def test_the_readme_links_to_files_that_exist() -> None:
     links = set(re.findall(r"\]\((?!https?:|#)([^)#]+)", README))
     missing = sorted(link for link in links if not (ROOT / link).exists())
     assert missing == []
+
+
+SNIPPETS = re.findall(r"```python\n(.*?)```\n\n```text\n(.*?)```", README, flags=re.DOTALL)
+
+
+def test_the_readme_shows_two_snippets_and_the_first_has_six_lines() -> None:
+    assert len(SNIPPETS) == 2
+    assert len([line for line in SNIPPETS[0][0].splitlines() if line]) <= 6
+
+
+@pytest.mark.parametrize(("program", "result"), SNIPPETS, ids=["drive", "plan"])
+def test_the_readme_shows_what_its_snippets_print(program: str, result: str) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, timeout=60
+    )
+    assert (done.stdout, done.stderr) == (result, "")
