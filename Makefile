@@ -54,7 +54,7 @@ clean:
 # The two stamps are older than pyproject.toml or constraints.txt exactly when the environment has to be brought up to date.
 $(VENV)/.installed: pyproject.toml constraints.txt | $(PY)
 	@echo "Installing walking-console into $(VENV) ..."
-	@$(PIP) -c constraints.txt -e .
+	@$(PIP) -c constraints.txt -e '.[physics]'
 	@$(LINK)
 	@touch $@
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-Row = list[float]
+_Row = list[float]
 
 ZERO = 1e-10  # of numbers around 1: scale the equations so that theirs are
 PIVOTS_MAX = 5000
@@ -41,7 +41,7 @@ def least_cost(
 
 def _with_artificials(
     rows: Sequence[Sequence[float]], right: Sequence[float], count: int
-) -> list[Row]:
+) -> list[_Row]:
     """The equations with positive right sides, one artificial amount each, right side last."""
     table = []
     for i, (row, value) in enumerate(zip(rows, right, strict=True)):
@@ -53,7 +53,7 @@ def _with_artificials(
     return table
 
 
-def _drop_artificials(table: list[Row], basis: list[int], count: int) -> None:
+def _drop_artificials(table: list[_Row], basis: list[int], count: int) -> None:
     """Put a real amount in the place of every artificial one; an equation that says nothing new
     keeps it, at nought.
     """
@@ -64,7 +64,7 @@ def _drop_artificials(table: list[Row], basis: list[int], count: int) -> None:
                 _pivot(table, basis, i, entering)
 
 
-def _improve(table: list[Row], basis: list[int], cost: Sequence[float], allowed: int) -> bool:
+def _improve(table: list[_Row], basis: list[int], cost: Sequence[float], allowed: int) -> bool:
     """Pivot until the cost is least; False when it has no least."""
     for _ in range(PIVOTS_MAX):
         entering = _entering(table, basis, cost, allowed)
@@ -78,7 +78,7 @@ def _improve(table: list[Row], basis: list[int], cost: Sequence[float], allowed:
 
 
 def _entering(
-    table: list[Row], basis: list[int], cost: Sequence[float], allowed: int
+    table: list[_Row], basis: list[int], cost: Sequence[float], allowed: int
 ) -> int | None:
     """Bland: the first amount that would lower the cost."""
     priced = [(cost[kind], row) for kind, row in zip(basis, table, strict=True) if cost[kind]]
@@ -94,7 +94,7 @@ def _entering(
     return None
 
 
-def _leaving(table: list[Row], basis: list[int], entering: int) -> int | None:
+def _leaving(table: list[_Row], basis: list[int], entering: int) -> int | None:
     """The row that reaches nought first; of equals the one of the first amount."""
     best: tuple[float, int, int] | None = None
     for i, row in enumerate(table):
@@ -107,7 +107,7 @@ def _leaving(table: list[Row], basis: list[int], entering: int) -> int | None:
     return None if best is None else best[2]
 
 
-def _pivot(table: list[Row], basis: list[int], leaving: int, entering: int) -> None:
+def _pivot(table: list[_Row], basis: list[int], leaving: int, entering: int) -> None:
     scale = table[leaving][entering]
     chosen = [term / scale for term in table[leaving]]
     table[leaving] = chosen

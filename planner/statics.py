@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from .geometry.transforms import XY, Point, direction, left_fold_sum
 from .robot.chains import LegChain, Masses
-from .robot.kinematics import inverse, link_ends, solved
+from .robot.kinematics import inverse, leg_moment, solved
 from .robot.model import Machine
 from .simplex import least_cost
 
@@ -49,7 +49,7 @@ def centre_of_gravity(machine: Machine, feet_b: Sequence[Point]) -> Point:
     whole = masses.torso
     x, y, z = (masses.torso * part for part in masses.centre)
     for chain, foot in zip(machine.chains, feet_b, strict=True):
-        lx, ly, lz = leg_moment(chain, masses, foot)
+        lx, ly, lz = _moment_of_leg(chain, masses, foot)
         x += lx
         y += ly
         z += lz
@@ -57,24 +57,17 @@ def centre_of_gravity(machine: Machine, feet_b: Sequence[Point]) -> Point:
     return x / whole, y / whole, z / whole
 
 
-def leg_moment(chain: LegChain, masses: Masses, foot: Point) -> Point:
+def _moment_of_leg(chain: LegChain, masses: Masses, foot: Point) -> Point:
     """Σ m·r of a leg's links, kg·m, body axes. A foot out of reach: as if on a straight leg."""
     a, b, c = masses.links
     if a == 0.0 == b and chain.joints[2].slides:
         return c * foot[0], c * foot[1], c * foot[2]
     joints = inverse(chain, foot)
-    if joints is None:
-        half = masses.leg / 2.0
-        hip = chain.hip
-        return half * (hip[0] + foot[0]), half * (hip[1] + foot[1]), half * (hip[2] + foot[2])
-    x = y = z = 0.0
-    ends = link_ends(chain, joints)
-    for joint, mass, near, far in zip(chain.joints, masses.links, ends, ends[1:], strict=False):
-        share = 0.0 if joint.slides else 0.5
-        x += mass * (share * near[0] + (1.0 - share) * far[0])
-        y += mass * (share * near[1] + (1.0 - share) * far[1])
-        z += mass * (share * near[2] + (1.0 - share) * far[2])
-    return x, y, z
+    if joints is not None:
+        return leg_moment(chain, masses, joints)
+    half = masses.leg / 2.0
+    hip = chain.hip
+    return half * (hip[0] + foot[0]), half * (hip[1] + foot[1]), half * (hip[2] + foot[2])
 
 
 # -- loads

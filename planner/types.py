@@ -229,3 +229,6 @@ class Sensing(NamedTuple):
     slipping: tuple[bool, ...]
     # per leg, one bit per direction of eight in which the sole hangs over; () = no such sensor
     rims: tuple[int, ...] = ()
+    loads: tuple[float, ...] = ()  # per leg, N, what the foot carries; () = no such sensor
+    joints: tuple[Point, ...] = ()  # per leg, rad or m; () = no such sensor
+    rates: Point = (0.0, 0.0, 0.0)  # of an inertial sensor about body x, y, z, rad/s

@@ -15,11 +15,13 @@ class SensorNoise:
 
     position: float = 0.0  # m, position monitors, per axis
     posture: float = 0.0  # rad, roll and pitch
+    rate: float = 0.0  # rad/s, turning, per axis
+    load: float = 0.0  # N, per foot
 
 
 def with_noise(sensing: Sensing, noise: SensorNoise, rng: np.random.Generator) -> Sensing:
     """What noisy sensors make of an exact reading; three numbers a leg and two for the body are
-    drawn from ``rng``.
+    drawn from ``rng``, and more only for loads and rates that are noisy.
     """
     drawn = rng.standard_normal(3 * len(sensing.feet_b) + 2).tolist()
     p, a = noise.position, noise.posture
@@ -27,4 +29,10 @@ def with_noise(sensing: Sensing, noise: SensorNoise, rng: np.random.Generator) -
     feet = tuple((x + p * ax, y + p * ay, z + p * az) for (x, y, z), ax, ay, az in off)
     x, y, z, roll, pitch, yaw = sensing.body
     body = x, y, z, roll + a * drawn[-2], pitch + a * drawn[-1], yaw
-    return sensing._replace(body=body, feet_b=feet)
+    sensing = sensing._replace(body=body, feet_b=feet)
+    if noise.rate == 0.0 == noise.load:
+        return sensing
+    more = rng.standard_normal(3 + len(sensing.loads)).tolist()
+    rx, ry, rz = (rate + noise.rate * off for rate, off in zip(sensing.rates, more, strict=False))
+    loads = (load + noise.load * off for load, off in zip(sensing.loads, more[3:], strict=True))
+    return sensing._replace(rates=(rx, ry, rz), loads=tuple(max(0.0, load) for load in loads))

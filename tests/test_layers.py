@@ -94,6 +94,10 @@ TABLE = {
         f"walking_console.sim {SIM_SEES} numpy pymunk",
         "walking_console.server walking_console.web asyncio random",
     ),
+    "walking_console.sim.mujoco": rule(
+        f"walking_console.sim {SIM_SEES} numpy mujoco",
+        "walking_console.server walking_console.web asyncio random",
+    ),
     "walking_console.web": rule(
         f"walking_console.web {WEB_SEES} numpy", "walking_console.server asyncio fastapi pymunk"
     ),

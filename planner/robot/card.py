@@ -9,13 +9,13 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from ..geometry.transforms import Point
 from .chains import (
     JOINTS,
     NOWHERE,
     Drives,
     LegChain,
     Masses,
-    Point,
     Span,
     chain_of,
     insect_chain,

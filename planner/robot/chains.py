@@ -13,9 +13,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from ..geometry.transforms import direction
+from ..geometry.transforms import Point, direction
 
-Point = tuple[float, float, float]
 Span = tuple[float, float]
 
 JOINTS = 3

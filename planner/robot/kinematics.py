@@ -11,10 +11,10 @@ import math
 from collections.abc import Callable, Iterator
 
 from ..geometry.transforms import Matrix, Point, direction
-from .chains import ALONG, JOINTS, LEFT, UP, LegChain
+from .chains import ALONG, JOINTS, LEFT, UP, LegChain, Masses
 
 Joints = tuple[float, float, float]
-Columns = tuple[Point, Point, Point]  # m/s of the tip per rad/s or m/s of each joint
+_Columns = tuple[Point, Point, Point]  # m/s of the tip per rad/s or m/s of each joint
 
 # rad or m a joint may be beyond its limit: rounding. Wider, see plans that the drives cannot follow
 SLACK = 1e-9
@@ -88,6 +88,38 @@ def joint_torques(chain: LegChain, joints: Joints, force: Point) -> Joints:
     return ax * fx + ay * fy + az * fz, bx * fx + by * fy + bz * fz, cx * fx + cy * fy + cz * fz
 
 
+def leg_moment(chain: LegChain, masses: Masses, joints: Joints) -> Point:
+    """Σ m·r of a leg's links, kg·m, body axes; they weigh where ``chains.Masses`` says."""
+    x = y = z = 0.0
+    ends = link_ends(chain, joints)
+    for k, (joint, mass) in enumerate(zip(chain.joints, masses.links, strict=True)):
+        near, far = ends[k], ends[k + 1]
+        share = 1.0 if joint.slides else 0.5
+        x += mass * (near[0] + share * (far[0] - near[0]))
+        y += mass * (near[1] + share * (far[1] - near[1]))
+        z += mass * (near[2] + share * (far[2] - near[2]))
+    return x, y, z
+
+
+def holding_torques(chain: LegChain, masses: Masses, joints: Joints, down: Point) -> Joints:
+    """What the drives must give, N·m or N, to hold the leg's own links up against gravity.
+
+    ``down`` is gravity in body axes, m/s². Links weigh where ``chains.Masses`` says.
+    """
+    spots, axes = _frames(chain, joints)
+    c, s = chain.turn
+    gravity = (c * down[0] + s * down[1], c * down[1] - s * down[0], down[2])
+    held = [0.0, 0.0, 0.0]
+    for k, (joint, mass) in enumerate(zip(chain.joints, masses.links, strict=True)):
+        near, far = spots[k], spots[k + 1]
+        weight = far if joint.slides else _moved(near, _apart(far, near), 0.5)
+        for j in range(k + 1):
+            slides = chain.joints[j].slides
+            way = axes[j] if slides else _cross(axes[j], _apart(weight, spots[j]))
+            held[j] -= mass * _dot(way, gravity)
+    return held[0], held[1], held[2]
+
+
 def speed_share(chain: LegChain, joints: Joints, velocity: Point) -> float:
     """The largest joint speed a foot velocity asks for, as a share of that joint's limit.
 
@@ -139,7 +171,7 @@ def _slides_foot(chain: LegChain, joints: Joints) -> Point:
     return joints
 
 
-def _slides_columns(chain: LegChain, joints: Joints) -> Columns:
+def _slides_columns(chain: LegChain, joints: Joints) -> _Columns:
     return ALONG, LEFT, UP
 
 
@@ -154,7 +186,7 @@ def _insect_foot(chain: LegChain, joints: Joints) -> Point:
     return out * c, out * s, l2 * s2 + l3 * s23
 
 
-def _insect_columns(chain: LegChain, joints: Joints) -> Columns:
+def _insect_columns(chain: LegChain, joints: Joints) -> _Columns:
     (l1, l2, l3), (yaw, hip, knee) = chain.links, joints
     (c, s), (c2, s2), (c23, s23) = direction(yaw), direction(hip), direction(hip + knee)
     out = l1 + l2 * c2 + l3 * c23
@@ -183,7 +215,7 @@ def _mammal_foot(chain: LegChain, joints: Joints) -> Point:
     return -l2 * s2 - l3 * s23, aside * c + down * s, aside * s - down * c
 
 
-def _mammal_columns(chain: LegChain, joints: Joints) -> Columns:
+def _mammal_columns(chain: LegChain, joints: Joints) -> _Columns:
     (_, l2, l3), (roll, hip, knee) = chain.links, joints
     (c, s), (c2, s2), (c23, s23) = direction(roll), direction(hip), direction(hip + knee)
     aside = chain.joints[0].offset[1]
@@ -239,7 +271,7 @@ _SOLUTIONS: dict[str, Callable[[LegChain, Point], Iterator[Joints]]] = {
     "insect": _insect_solutions,
     "mammal": _mammal_solutions,
 }
-_COLUMNS: dict[str, Callable[[LegChain, Joints], Columns]] = {
+_COLUMNS: dict[str, Callable[[LegChain, Joints], _Columns]] = {
     "slides": _slides_columns,
     "insect": _insect_columns,
     "mammal": _mammal_columns,
@@ -271,12 +303,12 @@ def _frames(chain: LegChain, joints: Joints) -> tuple[list[Point], list[Point]]:
     return spots, axes
 
 
-def _columns(chain: LegChain, joints: Joints) -> Columns:
+def _columns(chain: LegChain, joints: Joints) -> _Columns:
     """Velocity of the tip per joint speed, in the leg's own axes."""
     return _COLUMNS.get(chain.kind, _serial_columns)(chain, joints)
 
 
-def _serial_columns(chain: LegChain, joints: Joints) -> Columns:
+def _serial_columns(chain: LegChain, joints: Joints) -> _Columns:
     spots, axes = _frames(chain, joints)
     tip = spots[-1]
     a, b, c = (
@@ -326,7 +358,7 @@ def _newton(chain: LegChain, spot: Point, joints: Joints) -> Joints | None:
     return joints if _size(error) < SOLVED else None
 
 
-def _damped_step(columns: Columns, error: Point, damping: float) -> Point | None:
+def _damped_step(columns: _Columns, error: Point, damping: float) -> Point | None:
     """(JᵀJ + damping) step = Jᵀ error."""
     rows = [tuple(_dot(a, b) for b in columns) for a in columns]
     (a, b, c), (d, e, f), (g, h, i) = rows

@@ -35,7 +35,7 @@ GROWN_MAX = 4000  # growths of a side before it is taken as it is
 
 
 @dataclass(frozen=True)
-class Region:
+class ReachRegion:
     """A simple polygon, counter-clockwise, at least three corners, m in body axes.
 
     Convex ones answer fastest; star-shaped and other simple ones are answered as exactly.
@@ -50,7 +50,7 @@ class Region:
             raise ValueError("a region's corners must run counter-clockwise around some area")
 
     @classmethod
-    def of_box(cls, box: Box) -> Region:
+    def of_box(cls, box: Box) -> ReachRegion:
         """A rectangle x_min, x_max, y_min, y_max as a region."""
         x0, x1, y0, y1 = box
         return cls(((x0, y0), (x1, y0), (x1, y1), (x0, y1)))
@@ -201,7 +201,7 @@ def signed_area(corners: Sequence[XY]) -> float:
     return total
 
 
-def convex_inside(region: Region, centre: XY) -> Region:
+def convex_inside(region: ReachRegion, centre: XY) -> ReachRegion:
     """A convex part of a star-shaped region around ``centre``.
 
     Every corner that turns inwards cuts the rest off by the line through it square to the way from
@@ -211,11 +211,11 @@ def convex_inside(region: Region, centre: XY) -> Region:
     for _ in range(len(region.corners)):
         dent = _first_dent(corners, centre)
         if dent is None:
-            return Region(corners)
+            return ReachRegion(corners)
         nx = centre[0] - dent[0]
         ny = centre[1] - dent[1]
         corners = _cut(corners, nx, ny, nx * dent[0] + ny * dent[1])
-    return Region(corners)
+    return ReachRegion(corners)
 
 
 def _first_dent(corners: Sequence[XY], centre: XY) -> XY | None:
@@ -287,7 +287,7 @@ def reaches(chain: LegChain, foot: Point) -> bool:
     return inverse(chain, foot) is not None
 
 
-def reach_at(chain: LegChain, z: float, centre: XY, rays: int = RAYS) -> Region | None:
+def reach_at(chain: LegChain, z: float, centre: XY, rays: int = RAYS) -> ReachRegion | None:
     """The slice of a leg's reach at height z, star-shaped about ``centre``; None when the leg does
     not reach the centre.
 
@@ -301,7 +301,7 @@ def reach_at(chain: LegChain, z: float, centre: XY, rays: int = RAYS) -> Region 
         ux, uy = direction(2.0 * math.pi * k / rays)
         far = _first_edge(chain, (*centre, z), (ux, uy, 0.0), 2.0 * chain.reach)
         corners.append((centre[0] + far * ux, centre[1] + far * uy))
-    return Region(tuple(corners))
+    return ReachRegion(tuple(corners))
 
 
 def _first_edge(chain: LegChain, start: Point, way: Point, far: float) -> float:

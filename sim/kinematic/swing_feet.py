@@ -9,6 +9,7 @@ from collections.abc import Iterable, Sequence
 
 from walking_console.planner.geometry.transforms import direction
 
+from ..terrain.ground import Ground
 from .configuration import XY, Configuration, FootMotion
 from .contact import OVER
 
@@ -91,20 +92,20 @@ def _touch(q: Configuration, leg: int, driven: tuple[float, float, float], heigh
     if not on:
         q.rims[leg] = 0
     elif not was_on:
-        q.rims[leg] = overhang(q, x, y, height)
+        q.rims[leg] = overhang(q.ground, q.machine.foot_radius, q.body[5], (x, y, height))
 
 
-def overhang(q: Configuration, x: float, y: float, height: float) -> int:
-    """Directions of eight, bit 0 along body +x, in which the rim of a sole at (x, y) has no ground
+def overhang(ground: Ground, radius: float, yaw: float, sole: tuple[float, float, float]) -> int:
+    """Directions of eight, bit 0 along body +x, in which the rim of a sole on the ground has none
     under it, as finely as the map tells.
     """
-    ground = q.ground
-    reach = math.floor(q.machine.foot_radius / ground.cell + 1e-9) * ground.cell
+    x, y, height = sole
+    reach = math.floor(radius / ground.cell + 1e-9) * ground.cell
     if ground.final or reach == 0.0:
         return 0
     bits = 0
     for k in range(8):
-        c, s = direction(q.body[5] + k * EIGHTH)
+        c, s = direction(yaw + k * EIGHTH)
         if not height - ground.height_at(x + reach * c, y + reach * s) <= OVERHANG:
             bits |= 1 << k
     return bits

@@ -8,6 +8,7 @@ import pytest
 from walking_console.planner.robot.chains import (
     Drives,
     LegChain,
+    Masses,
     chain_of,
     insect_chain,
     mammal_chain,
@@ -15,10 +16,12 @@ from walking_console.planner.robot.chains import (
 )
 from walking_console.planner.robot.kinematics import (
     forward,
+    holding_torques,
     inverse,
     jacobian,
     joint_speeds,
     joint_torques,
+    leg_moment,
     link_ends,
     speed_share,
     within_limits,
@@ -127,6 +130,22 @@ def test_power_at_the_joints_is_power_at_the_foot(chain):
     assert sum(t * s for t, s in zip(torques, speeds, strict=True)) == pytest.approx(
         sum(f * v for f, v in zip(force, velocity, strict=True))
     )
+
+
+@CHAINS
+def test_holding_torques_are_the_slope_of_the_legs_energy(chain):
+    masses, down = Masses(10.0, (0.4, 0.7, 0.2)), (0.5, -0.3, -9.7)
+    joints = some_joints(chain, random.Random(12))
+
+    def energy(at):
+        return -sum(m * d for m, d in zip(leg_moment(chain, masses, at), down, strict=True))
+
+    for k, torque in enumerate(holding_torques(chain, masses, joints, down)):
+        ahead, behind = list(joints), list(joints)
+        ahead[k] += 1e-6
+        behind[k] -= 1e-6
+        slope = (energy(tuple(ahead)) - energy(tuple(behind))) / 2e-6
+        assert torque == pytest.approx(slope, abs=1e-6)
 
 
 def test_a_limit_of_a_joint_is_a_limit_of_the_foot():

@@ -10,7 +10,7 @@ from walking_console.planner.robot.chains import Drives, insect_chain, slides_ch
 from walking_console.planner.robot.kinematics import inverse
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.robot.workspace import (
-    Region,
+    ReachRegion,
     convex_inside,
     fitted_box,
     out_of_reach,
@@ -19,12 +19,12 @@ from walking_console.planner.robot.workspace import (
 )
 
 BOX = (0.2, 0.7, 0.3, 0.65)
-HEXAGON = Region(((0.3, 0.2), (0.6, 0.1), (0.8, 0.4), (0.7, 0.7), (0.4, 0.75), (0.2, 0.5)))
+HEXAGON = ReachRegion(((0.3, 0.2), (0.6, 0.1), (0.8, 0.4), (0.7, 0.7), (0.4, 0.75), (0.2, 0.5)))
 # a slice of an insect's reach: the near side turns inwards
-KIDNEY = Region(
+KIDNEY = ReachRegion(
     ((0.3, 0.0), (0.6, -0.3), (0.8, 0.0), (0.8, 0.4), (0.6, 0.7), (0.3, 0.4), (0.45, 0.2))
 )
-REGIONS = pytest.mark.parametrize("region", [Region.of_box(BOX), HEXAGON, KIDNEY])
+REGIONS = pytest.mark.parametrize("region", [ReachRegion.of_box(BOX), HEXAGON, KIDNEY])
 
 
 def some_paths(chance: random.Random, count: int) -> list[ArcPath]:
@@ -74,7 +74,7 @@ def test_a_foothold_ahead_is_met_where_dense_sampling_meets_it(region):
 
 
 def test_a_rectangle_as_a_region_answers_as_the_rectangle_does():
-    chance, region = random.Random(9), Region.of_box(BOX)
+    chance, region = random.Random(9), ReachRegion.of_box(BOX)
     for path in some_paths(chance, 300):
         x, y = chance.uniform(0.2, 0.7), chance.uniform(0.3, 0.65)
         assert region.segment(x, y, path) == pytest.approx(path.segment(x, y, BOX), abs=1e-9)
@@ -87,9 +87,9 @@ def test_a_foot_that_is_never_in_reach_has_no_segment():
 
 def test_a_region_is_refused_when_its_corners_run_the_wrong_way_round():
     with pytest.raises(ValueError, match="counter-clockwise"):
-        Region(HEXAGON.corners[::-1])
+        ReachRegion(HEXAGON.corners[::-1])
     with pytest.raises(ValueError, match="at least 3 corners, got 2"):
-        Region(((0.0, 0.0), (1.0, 0.0)))
+        ReachRegion(((0.0, 0.0), (1.0, 0.0)))
 
 
 def test_the_convex_part_of_a_star_lies_in_the_star_and_holds_its_centre():

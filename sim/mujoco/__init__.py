@@ -1,0 +1,1 @@
+"""The physics plant: the machine as rigid bodies on servo-driven legs, in MuJoCo."""

@@ -1,0 +1,95 @@
+"""Where the legs say that the body is: feet that carry stay where they came down.
+
+Every foot gets an anchor where it touches down, by the estimate of that moment; from then on the
+body is where its legs, and the attitude an inertial sensor gives, put it over its anchors. Nothing
+corrects the anchors, so that the estimate drifts: by what feet slip, and by what the sensors err.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from walking_console.planner.geometry.transforms import (
+    Matrix,
+    Point,
+    left_fold_sum,
+    placed,
+    rotation,
+    turned_by,
+)
+
+from ..kinematic.rest_pose import plane_fit
+
+# m a foot may seem to be off its anchor before it is said to slip. Smaller: see servo give taken for
+# a slip; larger: see the body led astray by one foot
+SLIP = 0.008
+
+
+class LegOdometry:
+    """x, y, z, yaw of the body as its legs measure it, and which of them slip."""
+
+    def __init__(self, pose: Sequence[float], legs: int) -> None:
+        self.x, self.y, self.z, self.yaw = pose
+        self.anchors: list[Point | None] = [None] * legs
+        self.slipping = [False] * legs
+
+    def update(
+        self, feet_b: Sequence[Point], carrying: Sequence[bool], roll: float, pitch: float
+    ) -> None:
+        """One tick: feet in body axes, m, which of them carry, and the attitude, rad."""
+        level = rotation(roll, pitch, 0.0)
+        reached = [turned_by(level, foot) for foot in feet_b]
+        held = [leg for leg, anchor in enumerate(self.anchors) if anchor and carrying[leg]]
+        if len(held) >= 2:
+            self._fit(held, reached)
+            self._notice_slip(held, reached)
+            self._fit([leg for leg in held if not self.slipping[leg]] or held, reached)
+        for leg, carries in enumerate(carrying):
+            if not carries:
+                self.anchors[leg] = None
+                self.slipping[leg] = False
+            elif self.anchors[leg] is None or self.slipping[leg]:
+                self.anchors[leg] = self._placed(reached[leg])
+
+    def _placed(self, spot: Point) -> Point:
+        x, y = placed((self.x, self.y, self.yaw), spot[0], spot[1])
+        return x, y, self.z + spot[2]
+
+    def _fit(self, legs: Sequence[int], reached: Sequence[Point]) -> None:
+        anchors = [anchor for leg in legs if (anchor := self.anchors[leg]) is not None]
+        if len(anchors) >= 2:
+            spots = [reached[leg] for leg in legs]
+            self.x, self.y, self.yaw = plane_fit(anchors, spots, self.yaw)
+        self.z = left_fold_sum(
+            anchor[2] - reached[leg][2] for leg, anchor in zip(legs, anchors, strict=True)
+        ) / len(legs)
+
+    def _notice_slip(self, legs: Sequence[int], reached: Sequence[Point]) -> None:
+        for leg in legs:
+            anchor = self.anchors[leg]
+            x, y, _ = self._placed(reached[leg])
+            self.slipping[leg] = (
+                anchor is not None and math.hypot(x - anchor[0], y - anchor[1]) > SLIP
+            )
+
+    def state(self) -> dict[str, Any]:
+        """What ``restore`` goes on from."""
+        anchors = [None if anchor is None else list(anchor) for anchor in self.anchors]
+        pose = [self.x, self.y, self.z, self.yaw]
+        return {"pose": pose, "anchors": anchors, "slipping": list(self.slipping)}
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """Go on from a ``state``."""
+        self.x, self.y, self.z, self.yaw = state["pose"]
+        self.anchors = [None if a is None else (a[0], a[1], a[2]) for a in state["anchors"]]
+        self.slipping = list(state["slipping"])
+
+
+def roll_pitch_yaw(attitude: Matrix, near: float) -> Point:
+    """Angles of an attitude, rad; the yaw is the one nearest to ``near``."""
+    roll = math.atan2(attitude[2][1], attitude[2][2])
+    pitch = math.asin(max(-1.0, min(1.0, -attitude[2][0])))
+    yaw = math.atan2(attitude[1][0], attitude[0][0])
+    return roll, pitch, yaw + 2.0 * math.pi * round((near - yaw) / (2.0 * math.pi))

@@ -1,0 +1,379 @@
+"""The physics plant: servo speeds and loads in, ``Sensing`` out, one tick of 20 ms at a time.
+
+A floating torso on servo-driven legs over the true ground (``model``). What it senses is what a
+machine can know: joints, loads and soles of its feet, whiskers, attitude and rates of an inertial
+sensor, and where its legs say it is, which drifts (``odometry``). The truth is in ``body`` and
+``feet``. MuJoCo repeats to the last bit, in one process and across processes of one version.
+
+Approximations: point feet; only feet and torso meet the ground, links pass through; a leg's drives
+are alike and ideal but for their give; ground of many heights is a height field (``terrain``).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from walking_console.planner.config import Tolerances
+from walking_console.planner.geometry.transforms import Matrix, Point, direction, turned_by
+from walking_console.planner.protocols import PlantState
+from walking_console.planner.robot.kinematics import Joints, forward, inverse
+from walking_console.planner.robot.model import Machine
+from walking_console.planner.stability import GRAVITY, TIP_SLACK, polygon_margin, support_polygon
+from walking_console.planner.statics import centre_of_gravity, planned_loads
+from walking_console.planner.types import Sensing, Stance
+
+from ..kinematic.contact import ContactWorld
+from ..kinematic.swing_feet import overhang
+from ..sensor_noise import SensorNoise, with_noise
+from ..terrain.ground import Ground
+from .bodies import Bodies
+from .odometry import LegOdometry, roll_pitch_yaw
+from .settings import Physics
+from .targets import Targets, pressing
+
+SOLE_ON = 0.01  # of the weight; a foot that carries more is on the ground
+SOLE_OFF = 0.004  # of the weight; one that carries less is off it
+FALLEN_TILT = 0.6  # rad; leaning further than this is lying
+TIPPING_TILT = 0.15  # rad; leaning further, with the centre of gravity outside its feet, is tipping
+DROPPED = 2.0  # m below where it began; further down is lying at the bottom of a hole
+ON_GROUND = 0.005  # m; a foot of the start stance this near the ground stands on it
+BURIED = 0.002  # m; a foot this deep in new ground is put on top of it
+
+
+class PhysicsPlant:
+    """The machine on its ground. ``body`` is x, y, z, roll, pitch, yaw; ``feet`` are foot tips,
+    absolute; both are the truth.
+    """
+
+    def __init__(
+        self,
+        machine: Machine,
+        ground: Ground,
+        stance: Stance,
+        *,
+        noise: SensorNoise | None = None,
+        rng: np.random.Generator | None = None,
+        physics: Physics | None = None,
+    ) -> None:
+        if len(stance.feet) != len(machine.legs):
+            raise ValueError(
+                f"a stance for {machine.name!r} has {len(machine.legs)} feet, got {len(stance.feet)}"
+            )
+        if noise is not None and rng is None:
+            raise ValueError("sensor noise needs a seeded generator")
+        self.machine = machine
+        self.ground = ground
+        self.physics = physics or Physics()
+        self.tick = 0
+        self.state: PlantState = "standing"
+        self.contact = FootContacts(machine, ground)
+        self._noise = noise
+        self._rng = rng
+        self._push_ticks = 0
+        self._bodies = Bodies(machine, ground, self.physics)
+        self._floor = stance.body[2] - DROPPED
+        self.body = [*stance.body[:3], 0.0, 0.0, stance.body[3]]
+        joints = self._start(stance)
+        self._odometry = LegOdometry(stance.body, len(machine.legs))
+        self._targets = Targets(machine, joints, self.physics.servos.lead)
+        self._read()
+        self._odometry.update(self._feet_b, self.soles, 0.0, 0.0)
+
+    def _start(self, stance: Stance) -> list[Joints]:
+        """Put it down in its stance and answer the joints its servos aim at: pressed together by
+        the planned loads, so that it does not sink when it is let go.
+        """
+        x, y, z, yaw = stance.body
+        c, s = direction(yaw)
+        feet_b = []
+        for leg, foot in enumerate(stance.feet):
+            px, py, pz = foot
+            height = self.ground.height_at(px, py)
+            self.soles[leg] = leg not in stance.lifted and abs(pz - height) <= ON_GROUND
+            if self.soles[leg]:
+                pz = height
+            feet_b.append((c * (px - x) + s * (py - y), c * (py - y) - s * (px - x), pz - z))
+        joints = [self._joints_for(leg, foot) for leg, foot in enumerate(feet_b)]
+        self._bodies.place(stance.body, joints)
+        centre = centre_of_gravity(self.machine, feet_b)
+        shares = [1.0 if sole else 0.0 for sole in self.soles]
+        weight = self.machine.mass * GRAVITY
+        loads = planned_loads(weight, centre[:2], feet_b, shares).newtons
+        self.contact.loads[:] = loads
+        level: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+        give = pressing(self.machine, joints, loads, level) / self._bodies.built.stiffness
+        off = give.tolist()
+        return [
+            (a + off[3 * leg], b + off[3 * leg + 1], c + off[3 * leg + 2])
+            for leg, (a, b, c) in enumerate(joints)
+        ]
+
+    def _joints_for(self, leg: int, foot: Point) -> Joints:
+        joints = inverse(self.machine.chains[leg], foot)
+        if joints is None:
+            place = ", ".join(f"{part:.3f}" for part in foot)
+            raise ValueError(f"leg {leg + 1} cannot reach ({place}) of its start stance")
+        return joints
+
+    # -- what is so, and what it senses
+
+    @property
+    def soles(self) -> list[bool]:
+        """Per leg, True where the foot carries something."""
+        return self.contact.soles
+
+    @property
+    def whiskers(self) -> list[int]:
+        """Per leg, one bit per direction of eight in which something is felt."""
+        return self.contact.whiskers
+
+    @property
+    def rims(self) -> list[int]:
+        """Per leg, one bit per direction of eight in which the sole hangs over."""
+        return self.contact.rims
+
+    @property
+    def slipping(self) -> list[bool]:
+        """Per leg, True where a foot that carries is not where it came down."""
+        return self._odometry.slipping
+
+    @property
+    def loads(self) -> list[float]:
+        """Per leg, what the foot carries, N, mean of the last tick."""
+        return self.contact.loads
+
+    @property
+    def joints(self) -> list[Joints]:
+        """Joint coordinates of every leg, rad or m."""
+        return self._joints
+
+    @property
+    def tolerances(self) -> Tolerances:
+        """How exactly it does what it is told: legs that give, odometry that drifts."""
+        return Tolerances(same_place=0.005, held_back=0.05, body_off=0.01, foot_off=0.03)
+
+    @property
+    def carrying(self) -> tuple[int, ...]:
+        """Legs whose feet carry the body."""
+        return tuple(leg for leg, sole in enumerate(self.soles) if sole)
+
+    def sense(self) -> Sensing:
+        """What a machine can know at this tick; the place is that of its odometry, which drifts."""
+        odometry, contact = self._odometry, self.contact
+        x, y, z, yaw = odometry.x, odometry.y, odometry.z, odometry.yaw
+        roll, pitch = self.body[3], self.body[4]
+        if self.physics.true_place:
+            x, y, z, yaw = self.body[0], self.body[1], self.body[2], self.body[5]
+        sensing = Sensing(
+            self.tick,
+            (x, y, z, roll, pitch, yaw),
+            tuple(self._feet_b),
+            tuple(contact.soles),
+            tuple(contact.whiskers),
+            tuple(odometry.slipping),
+            tuple(contact.rims),
+            tuple(contact.loads),
+            tuple(self._joints),
+            self._bodies.rates(),
+        )
+        if self._noise is None or self._rng is None:
+            return sensing
+        return with_noise(sensing, self._noise, self._rng)
+
+    # -- what is done to it
+
+    def push(self, fx: float, fy: float, ticks: int) -> None:
+        """Push the torso with (fx, fy) newtons, level, at its centre of gravity, for so many
+        ticks.
+        """
+        if not (math.isfinite(fx) and math.isfinite(fy)) or ticks < 0:
+            raise ValueError(
+                f"a push needs finite newtons and ticks >= 0, got {fx!r}, {fy!r}, {ticks!r}"
+            )
+        self._bodies.push(*((fx, fy) if ticks else (0.0, 0.0)))
+        self._push_ticks = ticks
+
+    def replace_ground(self, ground: Ground) -> None:
+        """Put other ground under the machine, which goes on in the same motion: feet whose ground
+        rose are put on top of it, feet whose ground is gone fall.
+        """
+        self.ground = ground
+        self.contact.replace_ground(ground)
+        self._bodies.rebuild(ground)
+        for leg, foot in enumerate(self.feet):
+            deep = ground.height_at(foot[0], foot[1]) - foot[2]
+            if deep > BURIED:
+                self._dig_out(leg, deep)
+        self._read()
+
+    def _dig_out(self, leg: int, deep: float) -> None:
+        """Shorten a leg by what its ground has risen; a leg that cannot be lifts the body."""
+        x, y, z = self._feet_b[leg]
+        joints = inverse(self.machine.chains[leg], (x, y, z + deep))
+        if joints is None:
+            self._bodies.lift(deep)
+            return
+        self._bodies.set_leg(leg, joints)
+        self._targets.joints[leg] = joints
+        self._targets.feet[leg] = (x, y, z + deep)
+
+    def move(self, velocities: Sequence[Point], loads: Sequence[float] | None = None) -> None:
+        """One tick: every foot is driven at its velocity in body axes, m/s; with ``loads``, N, its
+        drives press with them too.
+        """
+        before = self._targets.flat
+        self._targets.drive(velocities, self._feet_b)
+        self._run(before, loads)
+
+    def follow(self, feet_b: Sequence[Point], loads: Sequence[float] | None = None) -> None:
+        """One tick: servos go to foot places in body axes, m, as an open loop plays them."""
+        before = self._targets.flat
+        self._targets.follow(feet_b)
+        self._run(before, loads)
+
+    def _run(self, before: np.ndarray[Any, Any], loads: Sequence[float] | None) -> None:
+        self.tick += 1
+        if self.state == "fallen":
+            return
+        press = np.zeros(len(before))
+        if loads is not None:
+            press = pressing(self.machine, self._joints, loads, self._attitude)
+        self.contact.take_loads(self._bodies.run(before, self._targets.flat, press))
+        self._read()
+        self.contact.feel(self.feet, self.body, self._bodies.side_contacts())
+        self._odometry.update(self._feet_b, self.soles, self.body[3], self.body[4])
+        self.state = self._state()
+        if self._push_ticks:
+            self._push_ticks -= 1
+            if not self._push_ticks:
+                self._bodies.push(0.0, 0.0)
+
+    def _read(self) -> None:
+        """Take the truth out of MuJoCo's arrays: body, joints, feet."""
+        x, y, z = self._bodies.place_of_torso()
+        self._attitude = self._bodies.attitude()
+        self.body[:3] = x, y, z
+        self.body[3:] = roll_pitch_yaw(self._attitude, self.body[5])
+        self._joints = self._bodies.joints()
+        self._feet_b = [
+            forward(chain, values)
+            for chain, values in zip(self.machine.chains, self._joints, strict=True)
+        ]
+        self.feet = []
+        for foot in self._feet_b:
+            ax, ay, az = turned_by(self._attitude, foot)
+            self.feet.append([x + ax, y + ay, z + az])
+
+    def _state(self) -> PlantState:
+        upright = self._attitude[2][2]
+        if upright < math.cos(FALLEN_TILT) or self.body[2] < self._floor:
+            return "fallen"
+        if self._bodies.torso_touches:
+            return "fallen"
+        if upright > math.cos(TIPPING_TILT):
+            return "standing"
+        x, y, _ = self._bodies.centre_of_gravity()
+        polygon = support_polygon(self.feet[leg] for leg in self.carrying)
+        return "tipping" if polygon_margin(polygon, x, y) < -TIP_SLACK else "standing"
+
+    # -- stopping and going on
+
+    def checkpoint(self) -> dict[str, Any]:
+        """Everything needed to go on bit by bit, as plain data; ``restore`` takes it."""
+        return {
+            "tick": self.tick,
+            "state": self.state,
+            "mujoco": self._bodies.state().tolist(),
+            "yaw": self.body[5],
+            "push_ticks": self._push_ticks,
+            "target_feet": [list(foot) for foot in self._targets.feet],
+            "target_joints": [list(joints) for joints in self._targets.joints],
+            "contact": self.contact.state(),
+            "odometry": self._odometry.state(),
+            "noise": None if self._rng is None else self._rng.bit_generator.state,
+        }
+
+    def restore(self, saved: dict[str, Any]) -> None:
+        """Go on from a ``checkpoint`` of a plant like this one, on the same ground."""
+        self.tick = saved["tick"]
+        self.state = saved["state"]
+        self._bodies.restore(np.array(saved["mujoco"]))
+        self.body[5] = saved["yaw"]
+        self._push_ticks = saved["push_ticks"]
+        self._targets.feet = [(x, y, z) for x, y, z in saved["target_feet"]]
+        self._targets.joints = [(a, b, c) for a, b, c in saved["target_joints"]]
+        self.contact.restore(saved["contact"])
+        self._odometry.restore(saved["odometry"])
+        if self._rng is not None:
+            self._rng.bit_generator.state = saved["noise"]
+        self._read()
+
+
+class FootContacts:
+    """What the feet feel: their loads, whether their soles are on, whiskers and rims."""
+
+    def __init__(self, machine: Machine, ground: Ground) -> None:
+        legs = len(machine.legs)
+        self.machine = machine
+        self.replace_ground(ground)
+        self.loads = [0.0] * legs
+        self.soles = [False] * legs
+        self.whiskers = [0] * legs
+        self.rims = [0] * legs
+
+    def replace_ground(self, ground: Ground) -> None:
+        """Feel other ground from now on."""
+        self.ground = ground
+        self.world = ContactWorld(ground.obstacles, self.machine)
+
+    def take_loads(self, loads: Sequence[float]) -> None:
+        """A sole is on from one load up and off from a lesser one down: it does not flutter."""
+        weight = self.machine.mass * GRAVITY
+        for leg, load in enumerate(loads):
+            self.loads[leg] = load
+            limit = SOLE_OFF if self.soles[leg] else SOLE_ON
+            was_on = self.soles[leg]
+            self.soles[leg] = load > limit * weight
+            if not self.soles[leg] or not was_on:
+                self.rims[leg] = -1 if self.soles[leg] else 0  # -1: to be looked at
+
+    def feel(
+        self,
+        feet: Sequence[Sequence[float]],
+        body: Sequence[float],
+        sides: Sequence[tuple[int, float, float]],
+    ) -> None:
+        """Whiskers near obstacles and against risers, rims of feet that have just come down."""
+        for leg, (x, y, z) in enumerate(feet):
+            near = not self.soles[leg] and self.world.near(x, y)
+            self.whiskers[leg] = self.world.feel(x, y, z, body[5]) if near else 0
+            if self.rims[leg] < 0:
+                sole = x, y, self.ground.height_at(x, y)
+                self.rims[leg] = overhang(self.ground, self.machine.foot_radius, body[5], sole)
+        for leg, dx, dy in sides:
+            if not self.soles[leg]:
+                self.whiskers[leg] |= 1 << _eighth(math.atan2(dy, dx) - body[5])
+
+    def state(self) -> dict[str, Any]:
+        """What ``restore`` goes on from."""
+        return {
+            "loads": list(self.loads),
+            "soles": list(self.soles),
+            "whiskers": list(self.whiskers),
+            "rims": list(self.rims),
+        }
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """Go on from a ``state``."""
+        self.loads[:] = state["loads"]
+        self.soles[:] = state["soles"]
+        self.whiskers[:] = state["whiskers"]
+        self.rims[:] = state["rims"]
+
+
+def _eighth(bearing: float) -> int:
+    return round(bearing / (math.pi / 4)) % 8

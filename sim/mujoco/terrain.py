@@ -1,0 +1,115 @@
+"""The true ground as MuJoCo's shapes: boxes where it has few levels or holes, else a height field.
+
+Boxes are exact: cells of one height are merged into rectangles, a bottomless cell has nothing. A
+height field has a node at every cell's centre and is straight between them, so that it differs from
+the cells by up to slope · cell / 2 (2.9 mm at 13°, 25 mm cells); a hole in one is a pit that begins
+half a cell too early.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..terrain.ground import Ground
+from .library import mujoco
+
+LEVELS_MAX = 12  # different heights that are made of boxes; more is relief
+BOXES_MAX = 20_000  # more, see a tick take longer than it lasts
+THICK = 0.5  # m of a box below the lowest level
+PIT = 1.0  # m, depth of a hole in a height field
+GROUND = 1  # contact bit
+
+
+class MergedCells(NamedTuple):
+    """Cells of one height: rows r0 <= r < r1, columns c0 <= c < c1."""
+
+    r0: int
+    r1: int
+    c0: int
+    c1: int
+    height: float
+
+
+def merged(heights: NDArray[np.float64]) -> list[MergedCells]:
+    """Cells of equal height as rectangles: runs along each row, joined with equal runs below."""
+    done: list[MergedCells] = []
+    current: dict[tuple[int, int, float], int] = {}
+    for row in range(heights.shape[0]):
+        runs = dict.fromkeys(_runs(heights[row]), row)
+        for run, begun in current.items():
+            if run in runs:
+                runs[run] = begun
+            else:
+                done.append(MergedCells(begun, row, *run))
+        current = runs
+    rows = heights.shape[0]
+    done += [MergedCells(begun, rows, *run) for run, begun in current.items()]
+    return sorted(done)
+
+
+def _runs(row: NDArray[np.float64]) -> Iterator[tuple[int, int, float]]:
+    """Columns from, to, and height of each stretch of equal cells; holes are left out."""
+    marked = np.where(np.isnan(row), np.inf, row)
+    ends = [0, *(np.nonzero(marked[1:] != marked[:-1])[0] + 1).tolist(), len(row)]
+    for c0, c1 in zip(ends, ends[1:], strict=False):
+        if np.isfinite(marked[c0]):
+            yield c0, c1, float(row[c0])
+
+
+def add_ground(spec: Any, ground: Ground, contact: dict[str, Any]) -> None:
+    """Put the ground into a model; ``contact`` is what its surface is like."""
+    heights = ground.heights
+    solid = heights[~np.isnan(heights)]
+    if solid.size == 0:
+        return
+    stepped = np.unique(solid).size <= LEVELS_MAX or solid.size < heights.size
+    boxes = merged(heights) if stepped else []
+    if stepped and len(boxes) <= BOXES_MAX:
+        _add_boxes(spec, ground, boxes, float(solid.min()), contact)
+    else:
+        _add_field(spec, ground, float(solid.min()), contact)
+
+
+def _add_boxes(
+    spec: Any, ground: Ground, boxes: list[MergedCells], low: float, contact: dict[str, Any]
+) -> None:
+    x, y = ground.origin
+    bottom = low - THICK
+    for box in boxes:
+        width = (box.c1 - box.c0) * ground.cell
+        depth = (box.r1 - box.r0) * ground.cell
+        tall = box.height - bottom
+        middle = [
+            x + box.c0 * ground.cell + width / 2,
+            y + box.r0 * ground.cell + depth / 2,
+            bottom + tall / 2,
+        ]
+        size = [width / 2, depth / 2, tall / 2]
+        spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, pos=middle, size=size, **contact)
+
+
+def _add_field(spec: Any, ground: Ground, low: float, contact: dict[str, Any]) -> None:
+    heights = np.where(np.isnan(ground.heights), low - PIT, ground.heights)
+    base = float(heights.min())
+    tall = max(float(heights.max()) - base, 1e-3)
+    rows, columns = heights.shape
+    half_x = max((columns - 1) * ground.cell / 2, 1e-3)
+    half_y = max((rows - 1) * ground.cell / 2, 1e-3)
+    spec.add_hfield(
+        name="relief",
+        nrow=rows,
+        ncol=columns,
+        size=[half_x, half_y, tall, THICK],
+        userdata=((heights - base) / tall).astype(np.float32).ravel(),
+    )
+    x, y = ground.origin
+    spec.worldbody.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_HFIELD,
+        hfieldname="relief",
+        pos=[x + ground.cell / 2 + half_x, y + ground.cell / 2 + half_y, base],
+        **contact,
+    )

@@ -1,0 +1,64 @@
+"""The ground as boxes: exact, and nothing where there is nothing."""
+
+import math
+
+import numpy as np
+import pytest
+
+pytest.importorskip("mujoco", reason="MuJoCo is not installed: pip install mujoco-core")
+
+from walking_console.planner.robot.model import load_machine
+from walking_console.sim.mujoco.library import mujoco
+from walking_console.sim.mujoco.model import build
+from walking_console.sim.mujoco.settings import Physics
+from walking_console.sim.mujoco.terrain import merged
+from walking_console.sim.terrain.ground import Ground
+
+
+def built(heights):
+    ground = Ground(np.array(heights, dtype=float), 0.1, (-1.0, 2.0))
+    return ground, build(load_machine("titan3"), ground, Physics()).model
+
+
+def height_by_ray(model, x, y):
+    data = mujoco.MjData(model)
+    data.qpos[2] = 50.0
+    mujoco.mj_forward(model, data)
+    shape = np.array([-1], dtype=np.int32)
+    far = mujoco.mj_ray(model, data, [x, y, 20.0], [0.0, 0.0, -1.0], None, 1, -1, shape, None)
+    return math.nan if far < 0 else 20.0 - far
+
+
+def test_rectangles_cover_every_cell_once_and_no_hole():
+    chance = np.random.default_rng(1)
+    heights = chance.choice([0.0, 0.1, np.nan], size=(20, 30))
+    covered = np.full(heights.shape, np.nan)
+    for box in merged(heights):
+        patch = covered[box.r0 : box.r1, box.c0 : box.c1]
+        assert np.isnan(patch).all()
+        patch[:] = box.height
+    assert np.array_equal(covered, heights, equal_nan=True)
+
+
+def test_level_ground_is_one_box():
+    assert len(merged(np.zeros((50, 60)))) == 1
+
+
+def test_boxes_stand_where_the_cells_are_and_a_hole_has_no_bottom():
+    ground, model = built([[0.0, 0.2, 0.2], [math.nan, 0.2, 0.5], [0.0, 0.0, 0.5]])
+    for row in range(3):
+        for column in range(3):
+            x, y = ground.centre(row, column)
+            wanted = ground.height_at(x, y)
+            got = height_by_ray(model, x, y)
+            assert (math.isnan(got) and math.isnan(wanted)) or got == pytest.approx(wanted)
+
+
+def test_relief_is_a_height_field_with_a_node_at_every_centre():
+    ground, model = built(np.add.outer(np.arange(9) * 0.01, np.arange(11) * 0.03))
+    assert model.nhfield == 1
+    for row in range(1, 8):
+        for column in range(1, 10):
+            x, y = ground.centre(row, column)
+            got = height_by_ray(model, x + 1e-4, y + 1e-4)
+            assert got == pytest.approx(ground.height_at(x, y), abs=1e-4)
