@@ -16,7 +16,7 @@ from typing import IO
 
 COMMAND = (sys.executable, "-P", "-m", "walking_console")
 SECRET = "WALKING_CONSOLE_TOKEN"
-NICENESS = 10  # the walk on the screen goes first
+CHILD_NICENESS = 10  # the walk on the screen goes first
 
 
 def start_child(
@@ -36,7 +36,7 @@ def start_child(
         start_new_session=True,
     )
     try:
-        os.setpriority(os.PRIO_PROCESS, child.pid, NICENESS)
+        os.setpriority(os.PRIO_PROCESS, child.pid, CHILD_NICENESS)
     except (OSError, AttributeError):
         pass  # it has ended already, or this system has no such call
     return child

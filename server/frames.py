@@ -18,6 +18,7 @@ from pydantic import BaseModel, Field, create_model
 from walking_console.planner.robot.model import Machine
 from walking_console.planner.types import Mode, StepPlan
 from walking_console.sim.snapshot import Sent, Snapshot
+from walking_console.web.scene.palette import style_of
 
 from .schemas import SPEED_MAX, TURN_RATE_MAX, example
 
@@ -172,17 +173,48 @@ def last_line(text: str) -> str:
 # the other frames of /drive
 
 
+STYLE_SHOWN = {
+    "palette": {
+        "legs": ["#1f86d8", "#00936a", "#e0661a", "#b457a0"],
+        "good": "#4ad295",
+        "warn": "#ffb03b",
+        "bad": "#ff6257",
+        "path": "#4cc9f0",
+    },
+    "margin_good_m": 0.03,
+    "leg_names": ["FL", "RL", "RR", "FR"],
+}
+
+
+class StyleFrame(BaseModel):
+    """Server to client on /drive, in the first frame and when another machine walks; also ``GET
+    /api/v1/console/style``: what the scene, the page and the figures draw this machine with.
+    """
+
+    model_config = example(type="style", **STYLE_SHOWN)
+    type: Literal["style"] = "style"
+    palette: dict[str, str | list[str]] = Field(description="colours; legs in machine order")
+    margin_good_m: float = Field(description="polygon margin that is drawn fully green")
+    leg_names: list[str] = Field(description="short, in machine order")
+
+
+def style_frame(machine: Machine) -> StyleFrame:
+    """What this machine is drawn with."""
+    return StyleFrame.model_validate(style_of(machine))
+
+
 class HelloFrame(BaseModel):
     """Server to client on /drive, first."""
 
     model_config = example(
         type="hello",
-        version="0.1.0",
+        version="0.2.0",
         lease_id="k3v9",
         dead_man_s=0.5,
         tick_s=0.02,
         speed_limit_m_s=2.0,
         turn_rate_limit_rad_s=1.0,
+        style={"type": "style", **STYLE_SHOWN},
     )
     type: Literal["hello"] = "hello"
     version: str
@@ -191,6 +223,7 @@ class HelloFrame(BaseModel):
     tick_s: float
     speed_limit_m_s: float = SPEED_MAX
     turn_rate_limit_rad_s: float = TURN_RATE_MAX
+    style: StyleFrame
 
 
 class LeaseFrame(BaseModel):

@@ -16,7 +16,7 @@ import uvicorn
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
 WRITE_BUFFER = 32 * 1024  # bytes waiting for a slow client; more, and it sees the past
-FRAME_MAX = 64 * 1024  # bytes of any WebSocket frame; /drive and the canvas allow less
+SOCKET_FRAME_MAX = 64 * 1024  # bytes of any WebSocket frame; /drive and the canvas allow less
 PING_EVERY = 5.0  # s
 PING_TIME = 10.0  # s; a canvas on a slow line answers behind the ground it is still being sent
 GRACE = 2  # s open requests get at the end
@@ -41,7 +41,7 @@ def config_for(app: Any) -> uvicorn.Config:
         loop="asyncio",
         http="h11",
         ws=SmallBuffers,
-        ws_max_size=FRAME_MAX,
+        ws_max_size=SOCKET_FRAME_MAX,
         ws_per_message_deflate=False,
         ws_ping_interval=PING_EVERY,
         ws_ping_timeout=PING_TIME,

@@ -35,11 +35,11 @@ from .problems import problem
 
 SUBPROTOCOL = f"viser-v{viser.__version__}"
 CLIENTS_MAX = 16
-FRAME_MAX = 16 * 1024  # bytes from a client; a camera message has about 300
+CANVAS_FRAME_MAX = 16 * 1024  # bytes from a client; a camera message has about 300
 MESSAGES_PER_SECOND = 240.0  # a camera that follows the mouse sends one a frame
 MESSAGE_BURST = 240.0
 # s a client may take for one frame before it is cut; the first one carries the whole ground
-SEND_TIME = 30.0
+CANVAS_SEND_TIME = 30.0
 START_TIME = 20.0  # s
 PASSED = (
     _messages.ViewerCameraMessage,
@@ -181,7 +181,7 @@ class ClientStream:
             raise ConnectionClosedOK(None, None) from None
 
     async def _send(self, data: bytes) -> None:
-        async with asyncio.timeout(SEND_TIME):
+        async with asyncio.timeout(CANVAS_SEND_TIME):
             await self._socket.send_bytes(data)
 
     async def close(self, code: int = 1000, reason: str = "") -> None:
@@ -221,7 +221,7 @@ def may_pass(frame: bytes) -> bool:
     """True for what a viewer may say: where its camera is, what it clicked, the value of a
     switch.
     """
-    if len(frame) > FRAME_MAX:
+    if len(frame) > CANVAS_FRAME_MAX:
         return False
     try:
         message = _messages.Message.deserialize(frame)

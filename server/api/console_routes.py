@@ -14,7 +14,7 @@ from walking_console.planner import registry
 from walking_console.sim.requests import Follow
 
 from ..explanation_frames import AheadFrame, DecisionFrame, ahead_frame, decision_frame
-from ..frames import SnapshotFrame
+from ..frames import SnapshotFrame, StyleFrame, style_frame
 from ..lease_reasons import LeaseRefusal
 from ..schemas import (
     AdvanceBody,
@@ -61,6 +61,12 @@ async def ahead(state: ConsoleState) -> AheadFrame | None:
 async def decision(state: ConsoleState) -> DecisionFrame | None:
     """Why the running step, or why there is none; null while it stands and nothing was refused."""
     return decision_frame(state.loop.newest)
+
+
+@router.get("/style")
+async def style(state: ConsoleState) -> StyleFrame:
+    """Colours, thresholds and leg names that the machine is drawn with."""
+    return style_frame(state.loop.newest.machine)
 
 
 @router.put("/command", status_code=202)

@@ -20,13 +20,13 @@ from walking_console.sim.snapshot import Snapshot
 
 from ..control_lease import DEAD_MAN
 from ..explanation_frames import ahead_frame, decision_frame
-from ..frames import HelloFrame, LeaseFrame, RefusedFrame, as_text
+from ..frames import HelloFrame, LeaseFrame, RefusedFrame, as_text, style_frame
 from ..problems import problem
 from ..schemas import BadFrame, read_frame
 from ..sessions import TooFast
 from .state import AppState, ConsoleState
 
-FRAME_MAX = 4096  # bytes of one frame on /drive
+DRIVE_FRAME_MAX = 4096  # bytes of one frame on /drive
 DRIVERS_MAX = 32  # sockets on /drive
 SHOW_RATE = 30.0  # Hz, snapshots to one page at most
 SEND_TIME = 5.0  # s a page may take for one snapshot before it is cut
@@ -67,6 +67,7 @@ class DriveSocket:
         self._refused: deque[RefusedFrame] = deque(maxlen=REFUSALS_KEPT)
         self._revision = -1  # of the lease, as last said
         self._text = ""  # the snapshot last shown
+        self._machine = state.loop.newest.machine  # the one whose style was sent
         self._ahead: object = None  # the foresight last shown
         self._decision: object = None  # the decision last shown
 
@@ -87,7 +88,11 @@ class DriveSocket:
 
     async def _greet(self) -> None:
         hello = HelloFrame(
-            version=product_version(), lease_id=self.name, dead_man_s=DEAD_MAN, tick_s=TICK
+            version=product_version(),
+            lease_id=self.name,
+            dead_man_s=DEAD_MAN,
+            tick_s=TICK,
+            style=style_frame(self._machine),
         )
         await self._socket.send_text(hello.model_dump_json())
 
@@ -125,8 +130,8 @@ class DriveSocket:
         text: str | None = message.get("text")
         if text is None:
             raise CloseWith(1003, "text frames only")
-        if len(text.encode("utf-8", "replace")) > FRAME_MAX:
-            raise CloseWith(1009, f"a frame may have {FRAME_MAX} bytes")
+        if len(text.encode("utf-8", "replace")) > DRIVE_FRAME_MAX:
+            raise CloseWith(1009, f"a frame may have {DRIVE_FRAME_MAX} bytes")
         return text
 
     def _handle(self, text: str) -> None:
@@ -190,8 +195,16 @@ class DriveSocket:
         text = self._state.text()
         if text is not self._text:
             self._text = text
+            newest = self._state.loop.newest
+            await self._show_style(newest)
             await self._send(text)
-            await self._show_explanations(self._state.loop.newest)
+            await self._show_explanations(newest)
+
+    async def _show_style(self, newest: Snapshot) -> None:
+        """What another machine is drawn with, before it is shown."""
+        if newest.machine != self._machine:
+            self._machine = newest.machine
+            await self._send(style_frame(self._machine).model_dump_json())
 
     async def _show_explanations(self, newest: Snapshot) -> None:
         """What is foreseen and why it was decided, when it is another than before."""

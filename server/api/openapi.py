@@ -8,7 +8,7 @@ from fastapi import FastAPI
 from pydantic import BaseModel
 
 from ..explanation_frames import AheadFrame, DecisionFrame
-from ..frames import HelloFrame, LeaseFrame, RefusedFrame, SnapshotFrame
+from ..frames import HelloFrame, LeaseFrame, RefusedFrame, SnapshotFrame, StyleFrame
 from ..schemas import CLIENT_FRAMES
 
 DESCRIPTION = """
@@ -18,7 +18,7 @@ booleans, numeric strings, unknown keys and out-of-range values are refused with
 
 `WS /drive` carries JSON text frames both ways: `DriveFrame`, `PostureFrame`, `TakeFrame`,
 `ReleaseFrame`, `StopFrame`, `RearmFrame` up; `HelloFrame`, `LeaseFrame`, `RefusedFrame`,
-`SnapshotFrame`, `AheadFrame`, `DecisionFrame` down (see Schemas). A held stick is repeated 20 to 30
+`SnapshotFrame`, `AheadFrame`, `DecisionFrame`, `StyleFrame` down (see Schemas). A held stick is repeated 20 to 30
 times a second; without a fresh frame the machine holds after 0.5 s and sits down after 10 s.
 """
 UP: tuple[type[BaseModel], ...] = tuple(CLIENT_FRAMES.values())
@@ -29,6 +29,7 @@ DOWN: tuple[type[BaseModel], ...] = (
     SnapshotFrame,
     AheadFrame,
     DecisionFrame,
+    StyleFrame,
 )
 
 

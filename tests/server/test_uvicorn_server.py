@@ -4,12 +4,12 @@ import signal
 from typing import Any
 
 from walking_console.server import uvicorn_server
-from walking_console.server.uvicorn_server import FRAME_MAX, ConsoleServer, config_for
+from walking_console.server.uvicorn_server import SOCKET_FRAME_MAX, ConsoleServer, config_for
 
 
 def test_no_frame_is_compressed_and_none_is_large() -> None:
     config = config_for(lambda: None)
-    assert config.ws_per_message_deflate is False and config.ws_max_size == FRAME_MAX
+    assert config.ws_per_message_deflate is False and config.ws_max_size == SOCKET_FRAME_MAX
     assert not config.proxy_headers and not config.server_header and not config.access_log
 
 

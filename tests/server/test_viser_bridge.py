@@ -14,7 +14,7 @@ from starlette.testclient import WebSocketDenialResponse
 from starlette.websockets import WebSocketDisconnect
 
 from walking_console.server.viser_bridge import (
-    FRAME_MAX,
+    CANVAS_FRAME_MAX,
     MESSAGE_BURST,
     SUBPROTOCOL,
     ViserBridge,
@@ -173,7 +173,14 @@ def test_what_no_viewer_says_does_not(message: object) -> None:
 
 @pytest.mark.parametrize(
     "frame",
-    [b"", b"\xc1", b"\x91" * 20_000, b"\x91" * 10_000, b"\xff" * 100, b"x" * (FRAME_MAX + 1)],
+    [
+        b"",
+        b"\xc1",
+        b"\x91" * 20_000,
+        b"\x91" * 10_000,
+        b"\xff" * 100,
+        b"x" * (CANVAS_FRAME_MAX + 1),
+    ],
 )
 def test_what_is_no_message_does_not(frame: bytes) -> None:
     assert not may_pass(frame)

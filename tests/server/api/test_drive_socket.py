@@ -10,8 +10,12 @@ from fastapi.testclient import TestClient
 from starlette.testclient import WebSocketDenialResponse, WebSocketTestSession
 from starlette.websockets import WebSocketDisconnect
 
-from walking_console.server.api.drive_socket import DRIVERS_MAX, FRAME_MAX
+from walking_console.planner.robot.model import load_machine
+from walking_console.server.api.drive_socket import DRIVE_FRAME_MAX, DRIVERS_MAX
 from walking_console.server.realtime_loop import RealtimeLoop
+from walking_console.sim.scenario import load_scenario
+from walking_console.sim.world import prepare
+from walking_console.web.scene.palette import style_of
 
 HERE = {"origin": "http://127.0.0.1:8000"}
 
@@ -243,7 +247,7 @@ def test_binary_frames_close_the_socket(client: TestClient, frame: bytes, code: 
 
 def test_a_frame_beyond_its_limit_closes_the_socket(client: TestClient) -> None:
     with page(client) as one:
-        one.socket.send_text(json.dumps({"type": "stop", "x": "x" * FRAME_MAX}))
+        one.socket.send_text(json.dumps({"type": "stop", "x": "x" * DRIVE_FRAME_MAX}))
         assert ended(one.socket) == 1009
 
 
@@ -274,3 +278,23 @@ def test_there_is_room_for_so_many_pages_and_no_more(client: TestClient) -> None
     with pytest.raises(WebSocketDenialResponse) as caught, page(client):
         pass
     assert caught.value.status_code == 503
+
+
+def test_the_first_frame_says_what_the_machine_is_drawn_with(client: TestClient) -> None:
+    with page(client) as one:
+        style = one.hello["style"]
+    assert style == client.get("/api/v1/console/style").json()
+    assert style == {"type": "style"} | json.loads(json.dumps(style_of(load_machine("titan3"))))
+    assert style["leg_names"] == ["FL", "RL", "RR", "FR"]
+
+
+def test_another_machine_s_style_comes_before_its_first_snapshot(
+    client: TestClient, loop: RealtimeLoop
+) -> None:
+    with page(client) as one:
+        one.told("snapshot")
+        loop.load(prepare(load_scenario("k-curve")))
+        loop.tick()
+        while (frame := one.socket.receive_json())["type"] != "style":
+            assert frame["type"] != "snapshot" or frame["robot"] == "titan3"
+        assert len(frame["leg_names"]) == len(one.told("snapshot")["feet"]) == 6
