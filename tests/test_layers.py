@@ -107,7 +107,8 @@ TABLE = {
     ),
     # Drawings of finished walks: the only place that may want matplotlib.
     "walking_console.web.figures": rule(
-        f"walking_console.web.figures walking_console.sim walking_console.planner {WEB_SEES} numpy matplotlib",
+        "walking_console.web.figures walking_console.web.scene.palette walking_console.sim "
+        f"walking_console.planner {WEB_SEES} numpy matplotlib",
         "walking_console.server asyncio time random fastapi",
     ),
     "walking_console.server": rule(f"walking_console {CARRIERS}"),

@@ -159,7 +159,7 @@ def test_the_walked_speed_is_that_of_the_formula(tmp_path, lift, pace):
         )
     )
     first, last = walk.row(4), walk.row(4 + 4 * ((len(walk.steps) - 4) // 4))
-    speed = (walk.course[last] - walk.course[first]) / ((last - first) * TICK)
+    speed = (walk.way[last] - walk.way[first]) / ((last - first) * TICK)
     assert speed == pytest.approx(cruise_speed(walk.machine, walk.gait, 0.0), rel=0.01)
 
 

@@ -8,153 +8,96 @@ imported last.
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 from walking_console.sim.scenario import load_scenario
-from walking_console.web.figures.run_data import (
-    FigureError,
-    Recipe,
-    RecordedWalk,
-    read_walk,
-    walk_recipe,
-)
 
-__all__ = ["FIGURES", "Figure", "FigureError", "draw_figure"]
+from .catalogue import FIGURES, CatalogueEntry
+from .run_data import FigureError, Recipe, RecordedWalk, read_walk, walk_recipe
 
+__all__ = ["FIGURES", "CatalogueEntry", "FigureError", "draw_figure", "outcome_lines"]
 
 STEPS_MIN = 4  # a whole cycle
-LIFT, PACE = "lift", "pace"
-# m and m/s, of which H fig. 16 has a line each
-LINES = {LIFT: (0.05, 0.1, 0.2), PACE: (0.2, 0.4, 0.8)}
-MARKS = {LIFT: (0.02, 0.05, 0.1, 0.15, 0.2), PACE: (0.1, 0.2, 0.4, 0.6, 0.8, 1.0)}
-
-
-@dataclass(frozen=True)
-class Figure:
-    """One drawing: what it shows, which page draws it, and the walks it needs; ``--run`` may give
-    the first of them.
-    """
-
-    title: str
-    page: str
-    walks: Mapping[str, Recipe]
-
-
-def _one(scenario: str) -> dict[str, Recipe]:
-    return {"walk": Recipe(scenario)}
-
-
-def _sweep() -> dict[str, Recipe]:
-    """fig. 16: every h_up with the v_up that have a line, every v_up with the h_up that have one."""
-    pairs = {(h, v) for h in MARKS[LIFT] for v in LINES[PACE]} | {
-        (h, v) for h in LINES[LIFT] for v in MARKS[PACE]
-    }
-    gait = "gait={{duty_factor=0.8, smooth=false, lift_up={:.3f}, lift_down={:.3f}}}"
-    short = ("end={time=300.0, distance=1.6}", "expect={}")
-    walks = {
-        f"{h:g} m {v:g} m/s": Recipe("fig16", (gait.format(h, 2 * h), *short), v)
-        for h, v in sorted(pairs)
-    }
-    return _one("fig16") | walks
-
-
-FIGURES: dict[str, Figure] = {
-    "fig6a": Figure("Standard crab walk along x, α = 16°", "standard_walk", _one("fig6a")),
-    "fig6b": Figure("Standard crab walk along y, α = 74°", "standard_walk", _one("fig6b")),
-    "fig6c": Figure(
-        "From an odd posture: maximum strides, and the search domains",
-        "odd_posture",
-        {"walk": Recipe("fig6c"), "naive": Recipe("fig6c", ("mode=naive", "expect={}"))},
-    ),
-    "fig12": Figure(
-        "How each step searches its domain between holes", "search_domains", _one("fig12")
-    ),
-    "fig13": Figure("Across a river as wide as the stride", "river", _one("fig13")),
-    "fig14": Figure("Round large holes and back to the commanded line", "detour", _one("fig14")),
-    "fig15": Figure("Height of the body over steps", "heights", _one("fig15")),
-    "fig16": Figure("Body speed against height and velocity of the lift", "speeds", _sweep()),
-    "fig17-up": Figure("Up five steps", "stairs", _one("fig17-up")),
-    "fig17-down": Figure("Down five steps", "stairs", _one("fig17-down")),
-    "fig19": Figure("Over a block found by touch", "block", _one("fig19")),
-    "omni": Figure("Through every direction", "directions", _one("omni")),
-}
 
 
 def draw_figure(name: str, out: Path, run: Path | None = None) -> list[str]:
     """Draw one figure to ``out`` (the suffix chooses the form) and say in lines what it shows.
 
-    Walks its scenario first unless ``run`` is a run directory of it.
+    Walks its scenario first unless ``run`` is a run directory of it. Raises ``FigureError``, and
+    ``RunError`` where the directory cannot be read.
     """
-    figure = FIGURES.get(name)
-    if figure is None:
+    drawing = FIGURES.get(name)
+    if drawing is None:
         raise FigureError(f"unknown figure {name!r}; there are: {', '.join(FIGURES)}")
-    try:
-        from walking_console.web.figures import sheets
-        from walking_console.web.figures.style import save
-    except ModuleNotFoundError as error:
-        if error.name is None or not error.name.startswith("matplotlib"):
-            raise
-        raise FigureError(
-            "drawing needs matplotlib: pip install 'walking-console[figures]'"
-        ) from None
+    make, save = _with_matplotlib(drawing)
     with tempfile.TemporaryDirectory() as folder:
-        walks = {}
-        for number, (key, recipe) in enumerate(figure.walks.items()):
-            directory = (
-                run
-                if run is not None and number == 0
-                else walk_recipe(recipe, Path(folder) / str(number))
-            )
-            walks[key] = read_walk(directory)
-            if number == 0:
-                _check(name, recipe, walks[key])
+        walks = _walks_of(name, Path(folder), run)
         try:
-            page, lines = (
-                getattr(sheets, figure.page)(figure.title, walks),
-                said(next(iter(walks.values())).summary),
-            )
+            sheet = make(drawing.title, walks)
+            lines = outcome_lines(next(iter(walks.values())).summary)
         except (ArithmeticError, LookupError, TypeError, ValueError) as error:
             if run is None:
                 raise
             # its files were changed
-            raise FigureError(
-                f"the run in {run} cannot be drawn: {type(error).__name__} {error}"
-            ) from None
-        save(page, out)
-        return [f"{figure.title}: {out}", *lines]
+            what = f"{type(error).__name__} {error}"
+            raise FigureError(f"the run in {run} cannot be drawn: {what}") from None
+        save(sheet, out)
+        return [f"{drawing.title}: {out}", *lines]
+
+
+def _with_matplotlib(drawing: CatalogueEntry) -> tuple[Callable[..., Any], Callable[..., None]]:
+    """What makes the sheet and what saves it; raises ``FigureError`` without matplotlib."""
+    try:
+        from . import sheets, speed_sheet
+        from .style import save
+    except ModuleNotFoundError as error:
+        if error.name is None or not error.name.startswith("matplotlib"):
+            raise
+        extra = "pip install 'walking-console[figures]'"
+        raise FigureError(f"drawing needs matplotlib: {extra}") from None
+    makers = {**vars(sheets), **vars(speed_sheet)}
+    return makers[drawing.sheet], save
+
+
+def _walks_of(name: str, folder: Path, run: Path | None) -> dict[str, RecordedWalk]:
+    """Every walk of a figure; ``run`` stands for the first, which is checked before the others are
+    walked.
+    """
+    walks: dict[str, RecordedWalk] = {}
+    for number, (key, recipe) in enumerate(FIGURES[name].walks.items()):
+        first = number == 0
+        directory = run if run is not None and first else walk_recipe(recipe, folder / str(number))
+        walks[key] = read_walk(directory)
+        if first:
+            _check(name, recipe, walks[key])
+    return walks
 
 
 def _check(name: str, recipe: Recipe, walk: RecordedWalk) -> None:
-    """A run that is given must be of the same kind as the figure's own."""
-    wanted, given = (
-        load_scenario(recipe.scenario).terrain.kind,
-        walk.summary["scenario"]["terrain"]["kind"],
-    )
+    """A run that is given must be of the same kind as the figure's own; raises ``FigureError``."""
+    wanted = load_scenario(recipe.scenario).terrain.kind
+    given = walk.summary["scenario"]["terrain"]["kind"]
     if wanted != given:
-        raise FigureError(
-            f"{name} is drawn from a walk over {wanted!r}, the run is one over {given!r}"
-        )
-    if len(walk.steps) < STEPS_MIN:
-        raise FigureError(
-            f"{name} needs a walk of at least {STEPS_MIN} steps, the run has {len(walk.steps)}"
-        )
+        message = f"{name} is drawn from a walk over {wanted!r}, the run is one over {given!r}"
+        raise FigureError(message)
+    count = len(walk.steps)
+    if count < STEPS_MIN:
+        message = f"{name} needs a walk of at least {STEPS_MIN} steps, the run has {count}"
+        raise FigureError(message)
 
 
-def said(summary: Mapping[str, Any]) -> list[str]:
+def outcome_lines(summary: Mapping[str, Any]) -> list[str]:
     """What came of the walk, for the terminal: result, smoothness, standard gait."""
-    outcome, way = (
-        f"{summary['result']} ({summary['reason']})",
-        f"{summary['distance']:.2f} m in {summary['steps']} steps",
-    )
+    outcome = f"{summary['result']} ({summary['reason']})"
+    way = f"{summary['distance']:.2f} m in {summary['steps']} steps"
     lines = [f"{outcome}: {way}, falls {summary['falls']}"]
     if summary.get("roughness_ratio"):
-        ours, theirs = summary["roughness"] * 1000, summary["roughness_average_rule"] * 1000
-        lines.append(
-            f"RMS second difference of the body's height {ours:.2f} mm; average of the supporting legs {theirs:.2f} mm"
-        )
+        walked = f"{summary['roughness'] * 1000:.2f} mm"
+        average = f"{summary['roughness_average_rule'] * 1000:.2f} mm"
+        rule = f"average of the supporting legs {average}"
+        lines.append(f"RMS second difference of the body's height {walked}; {rule}")
     if summary.get("standard_steps") is not None:
         lines.append(f"steps in the standard layout at the end: {summary['standard_steps']}")
     return lines

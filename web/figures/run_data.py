@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -11,16 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from walking_console.planner.crab.gait import Posture, Standard, posture_of, standard_for
-from walking_console.planner.robot.model import Machine, load_machine, machine_from
+from walking_console.planner.geometry.paths import Box
+from walking_console.planner.robot.model import Machine, load_machine
+from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.types import Gait, Stance
-from walking_console.sim.runs.runner import (
-    RunError,
-    read_arrays,
-    read_log,
-    read_run,
-    read_steps,
-    run_scenario,
-)
+from walking_console.sim.runs.reader import open_run
+from walking_console.sim.runs.runner import RunError, run_scenario
 from walking_console.sim.scenario import load_scenario, scenario_from
 from walking_console.sim.world import prepare
 
@@ -44,33 +41,35 @@ class Recipe:
 
 @dataclass(frozen=True)
 class RecordedWalk:
-    """One recorded walk: its result, its rows, its steps, its ground."""
+    """One recorded walk: its result, its rows (T, one a tick), its steps, its ground. Lengths in
+    metres, angles in radians.
+
+    N_k is the switching point after step k; N_0 is the start. Steps are counted from 1, legs
+    from 0.
+    """
 
     summary: dict[str, Any]
     log: dict[str, Array]
     steps: list[dict[str, Any]]
-    ground: dict[str, Array]
+    ground: TerrainMap
+    believed: TerrainMap
     machine: Machine
     gait: Gait
 
     @property
     def body(self) -> Array:
-        """(T, 6)."""
+        """x, y, z, roll, pitch, yaw at every row, (T, 6)."""
         return self.log["body"]
 
-    @property
-    def course(self) -> Array:
-        """Planar path length of the CoG at every row, m."""
-        way = np.hypot(*np.diff(self.body[:, :2], axis=0).T)
-        return np.concatenate([[0.0], np.cumsum(way)])
+    @cached_property
+    def way(self) -> Array:
+        """Planar path length of the CoG at every row, m (T,)."""
+        pieces = np.hypot(*np.diff(self.body[:, :2], axis=0).T)
+        return np.concatenate([[0.0], np.cumsum(pieces)])
 
     def row(self, k: int) -> int:
-        """The row of N_k: 0 is the start, k the end of step k."""
+        """The row of N_k."""
         return 0 if k == 0 else int(self.steps[k - 1]["tick"]) - 1
-
-    def rows_of(self, k: int) -> range:
-        """Rows of step k (from 1), both switching points included."""
-        return range(self.row(k - 1), self.row(k) + 1)
 
     def stance(self, k: int) -> Stance:
         """How it stood at N_k."""
@@ -80,7 +79,7 @@ class RecordedWalk:
         return Stance((x, y, z, yaw), feet, self.swing(k) if k else -1)
 
     def swing(self, k: int) -> int:
-        """The leg of step k (from 1), -1 for a shift on four legs."""
+        """The leg of step k, -1 for a shift on four legs."""
         legs = self.steps[k - 1]["swing"]
         return int(legs[0]) - 1 if legs else -1
 
@@ -91,37 +90,29 @@ class RecordedWalk:
     def posture(self, k: int) -> tuple[Standard, Posture]:
         """The standard walk of step k and the posture it begins in."""
         standard = self.standard(k)
-        return standard, posture_of(
-            standard, replace(self.stance(k - 1), quarter_turns=standard.quarter_turns)
-        )
+        stance = replace(self.stance(k - 1), quarter_turns=standard.quarter_turns)
+        return standard, posture_of(standard, stance)
 
     def height_at(self, x: Array, y: Array) -> Array:
-        """True ground under points, NaN in holes."""
-        heights, cell, origin = (
-            self.ground["heights"],
-            float(self.ground["cell"]),
-            self.ground["origin"],
-        )
-        columns = np.floor((x - origin[0]) / cell).astype(int).clip(0, heights.shape[1] - 1)
-        rows = np.floor((y - origin[1]) / cell).astype(int).clip(0, heights.shape[0] - 1)
+        """True ground under points, m; NaN in holes. Beyond the map that of its edge."""
+        heights = self.ground.heights
+        x0, y0 = self.ground.origin
+        columns = np.floor((x - x0) / self.ground.cell).astype(int).clip(0, heights.shape[1] - 1)
+        rows = np.floor((y - y0) / self.ground.cell).astype(int).clip(0, heights.shape[0] - 1)
         return np.asarray(heights[rows, columns], dtype=np.float64)
 
     def commands(self) -> list[tuple[int, float]]:
-        """First row and crab angle of every commanded course."""
+        """First row and crab angle of every commanded direction."""
         angles = self.log["command"][:, 0]
         changes = [0, *(int(i) + 1 for i in np.flatnonzero(np.diff(angles)))]
         return [(row, float(angles[row])) for row in changes]
 
     @property
-    def extent(self) -> tuple[float, float, float, float]:
-        """A box around all feet of the walk: x_min, x_max, y_min, y_max."""
+    def extent(self) -> Box:
+        """A box around all feet of the walk."""
         feet = self.log["feet"]
-        return (
-            float(feet[..., 0].min()),
-            float(feet[..., 0].max()),
-            float(feet[..., 1].min()),
-            float(feet[..., 1].max()),
-        )
+        xs, ys = feet[..., 0], feet[..., 1]
+        return float(xs.min()), float(xs.max()), float(ys.min()), float(ys.max())
 
 
 def walk_recipe(recipe: Recipe, directory: Path) -> Path:
@@ -136,26 +127,20 @@ def walk_recipe(recipe: Recipe, directory: Path) -> Path:
 
 
 def read_walk(directory: Path) -> RecordedWalk:
-    """A run directory; raises ``RunError``."""
-    summary = read_run(directory)
-    rows = read_log(directory)
-    layers = read_arrays(
-        directory / "terrain.npz", {"heights": 2, "cell": 0, "origin": 1, "forbidden": 2}
-    )
-    steps = read_steps(directory)
+    """A run directory as a drawing wants it; raises ``RunError``."""
+    run = open_run(directory)
+    steps = run.steps
     if not steps or "off_standard" not in steps[0]:
         raise RunError(f"the run in {directory} has no steps to draw, or is of an older version")
-    if not all(0 < step["tick"] <= len(rows["t"]) for step in steps):
+    if not all(0 < step["tick"] <= len(run.ticks["t"]) for step in steps):
         raise RunError(f"the run in {directory} has steps at ticks it has not")
     try:
-        machine = machine_from(summary["robot"])
-        scenario = scenario_from(summary["scenario"], directory)
-        gait = scenario.gait_for(machine)
+        scenario = scenario_from(run.summary["scenario"], directory)
+        gait = scenario.gait_for(run.machine)
     except ValueError as error:
         raise RunError(f"{directory / 'run.json'}: {error}") from None
-    return RecordedWalk(
-        {**summary, "scenario": scenario.as_data()}, rows, steps, layers, machine, gait
-    )
+    summary = {**run.summary, "scenario": scenario.as_data()}
+    return RecordedWalk(summary, run.ticks, steps, run.terrain, run.believed, run.machine, gait)
 
 
 def degrees(angle: float) -> str:

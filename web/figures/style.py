@@ -1,14 +1,12 @@
-"""Pen, paper and the marks every drawing shares. Lengths in metres on the drawing, inches on the
-sheet.
-"""
+"""Paper, strokes and the marks every drawing shares. Metres on the drawing, inches on the sheet."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
@@ -18,12 +16,12 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import FancyBboxPatch, PathPatch, Polygon, Rectangle
 from matplotlib.path import Path as Outline
 from matplotlib.transforms import Affine2D
-from numpy.typing import NDArray
 
 from walking_console.planner.geometry.paths import Box
-from walking_console.web.figures.run_data import FigureError
+from walking_console.planner.geometry.transforms import Pose
 
-Array = NDArray[Any]
+from ..scene.palette import LEGS
+from .run_data import Array, FigureError
 
 INK = "#1d2327"
 PALE = "#9aa3a9"
@@ -33,9 +31,9 @@ HOLE = "#c4bcb0"
 WATER = "#cfe3f0"
 EARTH = "#e4ddd0"
 WARNING = "#c0182b"
-# FL RL RR FR, told apart by colour-blind eyes too
-LEGS = ("#0072b2", "#00855f", "#d55e00", "#a3448f")
-NAMES = ("1 FL", "2 RL", "3 RR", "4 FR")
+NOTE = "#555d63"
+TORSO = "#f4f6f7"
+AVERAGE = "#b9c0c5"
 
 STYLE: Any = {
     "font.family": "sans-serif",
@@ -64,29 +62,38 @@ STYLE: Any = {
 }
 
 
-def pen() -> AbstractContextManager[None]:
+class CellBlock(NamedTuple):
+    """Cells of a map: rows from ``r0`` up to ``r1``, columns from ``c0`` up to ``c1``."""
+
+    r0: int
+    r1: int
+    c0: int
+    c1: int
+
+
+def our_style() -> AbstractContextManager[None]:
     """The style every drawing is made in."""
     return mpl.rc_context(STYLE)
 
 
-def sheet(width: float, height: float, title: str, note: str = "") -> Figure:
-    """A page with its title, and a line under it that says what is drawn."""
-    page = Figure(figsize=(width, height), facecolor=PAPER)
-    page.text(0.35 / width, 1 - 0.2 / height, title, fontsize=12.5, fontweight="bold", va="top")
+def blank_sheet(width: float, height: float, title: str, note: str = "") -> Figure:
+    """A sheet with its title, and a line under it that says what is drawn; inches."""
+    sheet = Figure(figsize=(width, height), facecolor=PAPER)
+    sheet.text(0.35 / width, 1 - 0.2 / height, title, fontsize=12.5, fontweight="bold", va="top")
     if note:
-        page.text(0.35 / width, 1 - 0.48 / height, note, fontsize=8.5, color="#555d63", va="top")
-    return page
+        sheet.text(0.35 / width, 1 - 0.48 / height, note, fontsize=8.5, color=NOTE, va="top")
+    return sheet
 
 
-def save(page: Figure, out: Path) -> None:
-    """Write the page in the form its suffix asks for; raises ``FigureError``."""
+def save(sheet: Figure, out: Path) -> None:
+    """Write the sheet in the form its suffix asks for; raises ``FigureError``."""
     form = out.suffix.lower().lstrip(".")
     if form not in ("svg", "png", "pdf"):
         raise FigureError(f"--out should end in .svg, .png or .pdf, got {str(out)!r}")
     metadata: dict[str, Any] = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(form, {})
     try:
-        with pen():
-            page.savefig(out, format=form, metadata=metadata)
+        with our_style():
+            sheet.savefig(out, format=form, metadata=metadata)
     except OSError as error:
         raise FigureError(f"cannot write {str(out)!r}: {error.strerror}") from None
 
@@ -110,48 +117,31 @@ def scale_bar(ax: Axes, x: float, y: float, length: float = 0.5) -> None:
     ax.text(x + length / 2, y + 0.03, f"{length:g} m", ha="center", va="bottom", fontsize=7.5)
 
 
-def rectangle(ax: Axes, box: Box, x: float, y: float, yaw: float, **look: Any) -> None:
+def _in_body_axes(ax: Axes, pose: Pose) -> Any:
+    """The transformation that places what is drawn in body axes."""
+    x, y, yaw = pose
+    return Affine2D().rotate(yaw).translate(x, y) + ax.transData
+
+
+def rectangle(ax: Axes, box: Box, pose: Pose, **look: Any) -> None:
     """A rectangle of the body frame, placed on the ground."""
     x1, x2, y1, y2 = box
-    turn = Affine2D().rotate(yaw).translate(x, y) + ax.transData
-    ax.add_patch(Rectangle((x1, y1), x2 - x1, y2 - y1, transform=turn, **look))
+    ax.add_patch(Rectangle((x1, y1), x2 - x1, y2 - y1, transform=_in_body_axes(ax, pose), **look))
 
 
-def torso(
-    ax: Axes, size: Sequence[float], x: float, y: float, yaw: float, *, alpha: float = 1.0
-) -> None:
-    """The body from above, with a nose."""
+def torso(ax: Axes, size: Sequence[float], pose: Pose, *, alpha: float = 1.0) -> None:
+    """The body from above, with a nose; ``size`` is its length and width, m."""
     length, width = size[0], size[1]
-    turn = Affine2D().rotate(yaw).translate(x, y) + ax.transData
-    look: dict[str, Any] = {
-        "facecolor": "#f4f6f7",
-        "edgecolor": PALE,
-        "lw": 0.8,
-        "alpha": alpha,
-        "zorder": 1.5,
-    }
-    ax.add_patch(
-        FancyBboxPatch(
-            (-length / 2, -width / 2),
-            length,
-            width,
-            boxstyle="round,pad=0,rounding_size=0.06",
-            transform=turn,
-            **look,
-        )
-    )
-    nose = [(length / 2 - 0.03, 0.0), (length / 2 - 0.13, 0.06), (length / 2 - 0.13, -0.06)]
-    ax.add_patch(
-        Polygon(
-            nose,
-            closed=True,
-            transform=turn,
-            facecolor=PALE,
-            edgecolor="none",
-            alpha=alpha,
-            zorder=1.6,
-        )
-    )
+    turn = _in_body_axes(ax, pose)
+    box = FancyBboxPatch(
+        (-length / 2, -width / 2), length, width, boxstyle="round,pad=0,rounding_size=0.06",
+        transform=turn, facecolor=TORSO, edgecolor=PALE, lw=0.8, alpha=alpha, zorder=1.5,
+    )  # fmt: skip
+    ax.add_patch(box)
+    tip = length / 2 - 0.03
+    nose = [(tip, 0.0), (tip - 0.10, 0.06), (tip - 0.10, -0.06)]
+    look: dict[str, Any] = {"facecolor": PALE, "edgecolor": "none", "alpha": alpha, "zorder": 1.6}
+    ax.add_patch(Polygon(nose, closed=True, transform=turn, **look))
 
 
 def arrow(ax: Axes, start: Sequence[float], end: Sequence[float], **look: Any) -> None:
@@ -172,41 +162,46 @@ def arrow(ax: Axes, start: Sequence[float], end: Sequence[float], **look: Any) -
 def cells(
     ax: Axes, mask: Array, cell: float, origin: Sequence[float] | Array, shown: Box, **look: Any
 ) -> None:
-    """The marked cells of a map within a box as one outline, run by run."""
-    x1, x2, y1, y2 = shown
-    c1, c2 = (
-        max(0, math.floor((x1 - origin[0]) / cell)),
-        min(mask.shape[1], math.ceil((x2 - origin[0]) / cell)),
-    )
-    r1, r2 = (
-        max(0, math.floor((y1 - origin[1]) / cell)),
-        min(mask.shape[0], math.ceil((y2 - origin[1]) / cell)),
-    )
-    # first column, last, first row, last: equal runs of neighbouring rows are one block
-    blocks: list[list[int]] = []
-    for row in range(r1, r2):
-        for first, last in runs(mask[row, c1:c2]):
-            above = next(
-                (b for b in blocks if b[3] == row and b[0] == first and b[1] == last), None
-            )
-            if above is None:
-                blocks.append([first, last, row, row + 1])
-            else:
-                above[3] = row + 1
+    """The marked cells of a map within a box as one outline."""
+    window = _cells_within(mask, cell, origin, shown)
     corners: list[tuple[float, float]] = []
     codes: list[Any] = []
-    for first, last, low, high in blocks:
-        a, b = origin[0] + (c1 + first) * cell, origin[0] + (c1 + last) * cell
-        c, d = origin[1] + low * cell, origin[1] + high * cell
+    for block in _blocks(mask, window):
+        a, b = origin[0] + block.c0 * cell, origin[0] + block.c1 * cell
+        c, d = origin[1] + block.r0 * cell, origin[1] + block.r1 * cell
         corners += [(a, c), (b, c), (b, d), (a, d), (a, c)]
         codes += [Outline.MOVETO, Outline.LINETO, Outline.LINETO, Outline.LINETO, Outline.CLOSEPOLY]
     if corners:
-        ax.add_patch(
-            PathPatch(
-                Outline(corners, codes),
-                **({"facecolor": HOLE, "edgecolor": "none", "zorder": 0.6} | look),
-            )
-        )
+        style: dict[str, Any] = {"facecolor": HOLE, "edgecolor": "none", "zorder": 0.6}
+        ax.add_patch(PathPatch(Outline(corners, codes), **(style | look)))
+
+
+def _cells_within(
+    mask: Array, cell: float, origin: Sequence[float] | Array, shown: Box
+) -> CellBlock:
+    """The cells of a map that a box covers."""
+    x1, x2, y1, y2 = shown
+    return CellBlock(
+        max(0, math.floor((y1 - origin[1]) / cell)),
+        min(mask.shape[0], math.ceil((y2 - origin[1]) / cell)),
+        max(0, math.floor((x1 - origin[0]) / cell)),
+        min(mask.shape[1], math.ceil((x2 - origin[0]) / cell)),
+    )
+
+
+def _blocks(mask: Array, window: CellBlock) -> list[CellBlock]:
+    """The marked cells as rectangles: equal runs of neighbouring rows are one."""
+    done: list[CellBlock] = []
+    open_blocks: dict[tuple[int, int], CellBlock] = {}  # that the row above ended with
+    for row in range(window.r0, window.r1):
+        here = {}
+        for first, last in runs(mask[row, window.c0 : window.c1]):
+            above = open_blocks.pop((first, last), None)
+            c0, c1 = window.c0 + first, window.c0 + last
+            here[first, last] = CellBlock(above.r0 if above else row, row + 1, c0, c1)
+        done += open_blocks.values()
+        open_blocks = here
+    return sorted([*done, *open_blocks.values()], key=lambda block: (block.r0, block.c0))
 
 
 def runs(line: Array) -> list[tuple[int, int]]:
@@ -215,10 +210,11 @@ def runs(line: Array) -> list[tuple[int, int]]:
     return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
-def leg_key(page: Figure, legs: Iterable[int] = range(4)) -> None:
+def leg_key(sheet: Figure, names: Sequence[str]) -> None:
     """Which colour is which leg, in the upper right corner."""
-    width, height = page.get_size_inches()
-    for place, leg in enumerate(legs):
-        x, y = 1 - (2.45 - 0.6 * place) / width, 1 - 0.28 / height
-        page.add_artist(Line2D([x], [y], marker="o", ms=5, color=LEGS[leg]))
-        page.text(x + 0.08 / width, y, NAMES[leg], va="center", fontsize=7.5)
+    width, height = sheet.get_size_inches()
+    y = 1 - 0.28 / height
+    for leg, name in enumerate(names):
+        x = 1 - (2.45 - 0.6 * leg) / width
+        sheet.add_artist(Line2D([x], [y], marker="o", ms=5, color=LEGS[leg]))
+        sheet.text(x + 0.08 / width, y, f"{leg + 1} {name}", va="center", fontsize=7.5)

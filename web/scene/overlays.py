@@ -181,7 +181,7 @@ class ReachOverlay(Overlay):
 
 
 class ShadowOverlay(Overlay):
-    """A soft shadow under the torso and under every foot: cheap, and it shows how high things are."""
+    """A soft shadow under the torso and every foot: cheap, and it shows how high things are."""
 
     def __init__(self, server: viser.ViserServer, machine: Machine) -> None:
         super().__init__()

@@ -93,7 +93,7 @@ def _along(place: int, count: int, leg: Leg) -> str:
 
 
 def style_of(machine: Machine) -> dict[str, Any]:
-    """What the page draws this machine with, ready for JSON: sent first and with another machine."""
+    """What the page draws this machine with, ready for JSON; another machine, another style."""
     return {
         "palette": {"legs": LEGS, "good": GOOD, "warn": WARN, "bad": BAD, "path": PATH},
         "margin_good_m": MARGIN_GOOD,

@@ -205,7 +205,7 @@ def _round(solid: RoundSolid, **looks: Any) -> Part:
 
 
 def hips_of(machine: Machine) -> Floats:
-    """Where the hips sit in body axes, (n, 3): beside the torso, as near to the reach as it allows."""
+    """Where the hips sit in body axes, (n, 3): beside the torso, near the reach."""
     length, width, _ = machine.torso
     centres = np.array([leg.centre for leg in machine.legs])
     inner = np.array([min(abs(leg.y[0]), abs(leg.y[1])) for leg in machine.legs])

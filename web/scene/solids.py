@@ -6,6 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from walking_console.planner.geometry.transforms import direction
+
 from .types import Floats, Indices
 
 Outline = Floats  # (n, 2), counter-clockwise
@@ -61,8 +63,8 @@ def octagon(half_width: float, half_height: float, chamfer: float, lift: float =
 
 def circle(radius: float, count: int = 20) -> Outline:
     """Points of a circle about the origin, counter-clockwise from +x."""
-    angle = np.arange(count) * 2 * np.pi / count
-    return radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    points = radius * np.exp(2j * np.pi * np.arange(count) / count)
+    return np.stack([points.real, points.imag], axis=1)
 
 
 def revolution(profile: Sequence[tuple[float, float]], count: int = 20) -> RoundSolid:
@@ -79,7 +81,8 @@ def revolution(profile: Sequence[tuple[float, float]], count: int = 20) -> Round
 def ball(radius: float, count: int = 18) -> RoundSolid:
     """A sphere about the origin; the normals of the unit sphere are its points."""
     tilt = np.linspace(-np.pi / 2, np.pi / 2, count // 2 + 1)
-    rings = [np.hstack([circle(np.cos(t), count), np.full((count, 1), np.sin(t))]) for t in tilt]
+    sides = [direction(t) for t in tilt.tolist()]  # radius and height of each ring
+    rings = [np.hstack([circle(r, count), np.full((count, 1), z)]) for r, z in sides]
     normals = np.concatenate(rings)
     return normals * radius, _skin(len(tilt), count), normals
 

@@ -38,7 +38,7 @@ AROUND = 2  # cells around a tile that its shading and its edges depend on
 EARTH = np.array([0.115, 0.125, 0.145])  # sRGB 0-1, the side of the block of earth
 
 
-Cell = TypeVar("Cell", bound=np.generic)
+_Scalar = TypeVar("_Scalar", bound=np.generic)
 
 
 class Window(NamedTuple):
@@ -182,7 +182,7 @@ class TerrainMesh:
         return Part(vertices, np.concatenate([lower, upper]), uv=uv)
 
     def _steps(self, window: Window) -> list[Part]:
-        """Level rectangles with upright walls between them: exactly the ground that is walked on."""
+        """Level rectangles with upright walls between them: the ground as it is walked on."""
         r0, r1, c0, c1 = window
         tops = [
             (r0 + a, r0 + b, c0 + c, c0 + d, height)
@@ -284,7 +284,7 @@ def floor(mesh: TerrainMesh) -> bytes:
     return glb([Part(vertices, _quads(1), colour=(red, green, blue), unlit=True)])
 
 
-def _enlarged(grid: NDArray[Cell], scale: int) -> NDArray[Cell]:
+def _enlarged(grid: NDArray[_Scalar], scale: int) -> NDArray[_Scalar]:
     """Every cell as ``scale`` by ``scale`` pixels."""
     return grid.repeat(scale, axis=0).repeat(scale, axis=1)
 
@@ -323,7 +323,7 @@ def _corners(heights: Floats, pit: float) -> Floats:
 
 
 def is_stepped(heights: Floats) -> bool:
-    """True when most neighbours are level and the level pieces are few enough to be drawn exactly."""
+    """True when most neighbours are level, in pieces few enough to be drawn exactly."""
     for axis in (0, 1):
         change = _differs(heights, axis)
         if change.size and change.mean() > 0.5:

@@ -52,8 +52,8 @@ LMS_TO_RGB = np.array(
 
 def oklch(lightness: Floats, chroma: Floats, hue: Floats) -> Floats:
     """OKLCh (hue in degrees) to sRGB 0-1 (..., 3): equal steps of it look equal."""
-    angle = np.radians(hue)
-    lab = np.stack([lightness, chroma * np.cos(angle), chroma * np.sin(angle)], axis=-1)
+    ab = chroma * np.exp(1j * np.radians(hue))
+    lab = np.stack([lightness, ab.real, ab.imag], axis=-1)
     lms = (lab @ LAB_TO_LMS.T) ** 3
     light = np.clip(lms @ LMS_TO_RGB.T, 0.0, 1.0)
     curved = 1.055 * light ** (1 / 2.4) - 0.055
@@ -81,12 +81,12 @@ def height_colours(heights: Floats, low: float, high: float) -> Floats:
 
 
 def hill_shade(heights: Floats, cell: float, stepped: bool) -> Floats:
-    """Brightness of the ground under a low sun from the north-west and a wide sky; 1 on the level."""
+    """Brightness under a low sun from the north-west and a wide sky; 1 on the level."""
     if min(heights.shape) < 2:
         return np.ones(heights.shape)
     dy, dx = np.gradient(heights, cell)
     if stepped:
-        dy, dx = np.clip(dy, -0.3, 0.3), np.clip(dx, -0.3, 0.3)
+        dy, dx = (np.clip(slope, -0.3, 0.3) for slope in (dy, dx))
     normal = 1.0 / np.sqrt(1.0 + dx * dx + dy * dy)
     sun = (0.42 * dx - 0.42 * dy + 0.80) * normal / 0.80
     return np.asarray(

@@ -36,13 +36,13 @@ BRUSHES = ("dig", "raise", "lower", "forbid", "clear")
 BRUSH = 0.12  # m, radius
 WIDE_BRUSH = 0.35  # m
 
-Paint = Callable[[str, Floats, Floats, float], None]  # brush, ray origin, ray direction, radius
+PaintRay = Callable[[str, Floats, Floats, float], None]  # brush, ray origin, ray direction, radius
 
 
 class Viewer:
     """One client of the scene, with switches and nodes of its own."""
 
-    def __init__(self, client: viser.ClientHandle, paint: Paint) -> None:
+    def __init__(self, client: viser.ClientHandle, paint: PaintRay) -> None:
         self.client = client
         self.paint = paint
         self.brush = ""
@@ -81,7 +81,7 @@ class Viewer:
         self.layers[label].visible = shown
 
     def _brush_switch(self, brush: str) -> Callable[[Any], None]:
-        """A brush in hand makes clicks paint; with none the scene is not asked for clicks at all."""
+        """A brush in hand makes clicks paint; with none the scene is not asked for clicks."""
 
         def take(event: Any) -> None:
             held = self.brush
