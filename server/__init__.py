@@ -1,3 +1,3 @@
-"""Everything that carries: the console, its clock, HTTP, WebSocket and the command line; no
+"""Everything that carries: the real-time loop, HTTP, WebSockets and the command line; no
 formula.
 """

@@ -10,6 +10,7 @@ web loop touches a ``ControlLease``; what it decides goes to the mailbox of the 
 
 from __future__ import annotations
 
+import logging
 import math
 
 from walking_console.planner.types import TICK, Command, Mode
@@ -33,6 +34,8 @@ DEAD_MAN = 0.5  # s: shorter stops on every hiccup of a wireless link, longer wa
 SIT_AFTER = 10.0
 LEASE_IDLE = 15.0  # s without a frame after which the lease is free
 REST = "rest"  # who drives while a REST command lives
+
+log = logging.getLogger(__name__)
 
 
 class ControlLease:
@@ -125,13 +128,11 @@ class ControlLease:
             self._expect_another(command, now)
         why = self._blocked(session)
         if why is None:
-            self._obey(session, command, now, age)
+            self._obey(session, command, age)
         return why
 
     def _expect_another(self, command: Command, now: float) -> None:
-        """A fresh frame: while its stick is pressed the next one is due before the machine sits
-        down.
-        """
+        """While its stick is pressed, another frame is due before the machine sits down."""
         self._loop.sit_down_at(math.inf if command.holds else now + self._sit_after)
 
     def _other_drives(self, session: Session | None) -> LeaseRefusal | None:
@@ -150,7 +151,8 @@ class ControlLease:
             return None if session.centred else refusal(LeaseReason.STOPPED)
         return refusal(LeaseReason.CENTRE_FIRST) if session.must_centre else None
 
-    def _obey(self, session: Session, command: Command, now: float, age: float) -> None:
+    def _obey(self, session: Session, command: Command, age: float) -> None:
+        now = self._now()
         if self._holder is not session:
             self._hand_to(session)
             self._expect_another(command, now)
@@ -162,9 +164,7 @@ class ControlLease:
     # postures
 
     def _take_posture(self, session: Session, frame: PostureFrame) -> LeaseRefusal | None:
-        """By the holder, or whoever finds the lease free. A stick still pressed moves nothing
-        before it has been let go.
-        """
+        """By the holder, or whoever finds the lease free."""
         age = session.age_of_picture(frame, self._loop.age_of)
         if isinstance(age, LeaseRefusal):
             return age
@@ -207,6 +207,7 @@ class ControlLease:
             self._free()
 
     def _hand_to(self, session: Session) -> None:
+        log.info("%s drives", session.name)
         self._holder = session
         self.revision += 1
 
@@ -230,6 +231,7 @@ class ControlLease:
         """Anybody; the machine holds from the next tick on, until ``rearm``."""
         self._quieten()
         if not self.stopped:
+            log.info("stopped")
             self.stopped = True
             self.revision += 1
 

@@ -130,13 +130,13 @@ def _to_html(directory: Path, summary: dict[str, Any], path: Path) -> None:
 
 
 def _frames(directory: Path, every: int) -> Iterator[Any]:
-    for index, (console, equal) in enumerate(rerun(directory)):
+    for index, (simulation, equal) in enumerate(rerun(directory)):
         if not equal:
             raise RunError(
                 f"{directory} does not replay: tick {index} differs from the recorded run"
             )
         if index % every == 0:
-            yield console.snapshot()
+            yield simulation.snapshot()
 
 
 def _to_mcap(directory: Path, summary: dict[str, Any], path: Path) -> None:

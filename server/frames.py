@@ -70,7 +70,7 @@ FORMS: dict[Any, Form] = {
 
 
 def form_of(annotation: Any) -> Form:
-    """How values of a type go out; raises ``TypeError`` for a type nobody has told how."""
+    """How values of a type go out; raises ``TypeError`` for a type without a form."""
     if annotation in FORMS:
         return FORMS[annotation]
     if get_origin(annotation) is tuple:
@@ -98,11 +98,11 @@ def wire_fields(record: type) -> list[WireField]:
     return [
         made
         for field in dataclasses.fields(record)
-        for made in _keys_of(field.name, *_told(hints[field.name]))
+        for made in _keys_of(field.name, *_bare_and_sent(hints[field.name]))
     ]
 
 
-def _told(hint: Any) -> tuple[Any, Sent]:
+def _bare_and_sent(hint: Any) -> tuple[Any, Sent]:
     """The bare type of a field and what it says of going out."""
     if get_origin(hint) is not Annotated:
         return hint, Sent()
@@ -115,8 +115,8 @@ def _keys_of(name: str, kind: Any, sent: Sent) -> Iterator[WireField]:
         return
     if sent.parts:
         parts = get_type_hints(kind, include_extras=True)
-        for part, told in sent.parts.items():
-            yield _wire_field(f"{name}.{part}", parts[part], told, part)
+        for part, part_sent in sent.parts.items():
+            yield _wire_field(f"{name}.{part}", parts[part], part_sent, part)
     else:
         yield _wire_field(name, kind, sent, name)
 

@@ -32,6 +32,7 @@ from .scheduling import raise_priority
 from .uvicorn_server import ConsoleServer, config_for
 from .viser_bridge import BridgeError, ViserBridge
 
+log = logging.getLogger(__name__)
 LOG_FORMAT = "%(asctime)s %(levelname)s %(name)s: %(message)s"
 
 
@@ -50,7 +51,7 @@ class ServeOptions:
     log_level: str = "warning"
 
     def app_settings(self) -> AppSettings:
-        """What the app is told: which names it answers for, and where it keeps its runs."""
+        """Which names the app answers for, and where it keeps its runs."""
         named = () if self.host in LOOPBACK or is_address(self.host) else (self.host,)
         alone = is_loopback(self.host)
         return AppSettings(
@@ -82,6 +83,7 @@ def serve(options: ServeOptions) -> None:
     app = create_app(loop, options.app_settings(), bridge)
     server = ConsoleServer(config_for(app), loop.hold_for_good)
     _announce_when_ready(server, url_of(listening, options.host, options.token), options.open_page)
+    log.info("runs are kept in %s", options.data.absolute())
     loop.start()
     rendering.start()
     raise_priority()

@@ -10,6 +10,7 @@ from __future__ import annotations
 import asyncio
 import hmac
 import ipaddress
+import logging
 from collections.abc import Iterable
 from http.cookies import CookieError, SimpleCookie
 
@@ -33,6 +34,9 @@ SECURITY_HEADERS = {
     "cross-origin-opener-policy": "same-origin",
     "content-security-policy": "default-src 'none'; frame-ancestors 'none'",
 }
+
+
+log = logging.getLogger(__name__)
 
 
 def host_name(host: str) -> str:
@@ -81,6 +85,8 @@ class RequestGuard:
                 refusal = body
             else:
                 receive = _replay(body, receive)
+        if refusal is not None:
+            log.info("%.200r refused with %d", scope["path"], refusal.status_code)
         await (refusal or self._app)(scope, receive, send)
 
     def _refusal(self, scope: Scope) -> Response | None:

@@ -9,6 +9,7 @@ from the process and the files when somebody asks.
 from __future__ import annotations
 
 import json
+import logging
 import os
 import re
 import shutil
@@ -56,6 +57,9 @@ SUMMARY = (
 )
 
 
+log = logging.getLogger(__name__)
+
+
 class RunRefused(Exception):
     """A run that is not begun, with the HTTP status that says so."""
 
@@ -69,7 +73,7 @@ class Job:
     """A child at work."""
 
     process: subprocess.Popen[bytes]
-    asked: float | None = None  # s, monotonic, when it was asked to end
+    cancelled_at: float | None = None  # s, monotonic
 
     @property
     def working(self) -> bool:
@@ -78,13 +82,13 @@ class Job:
 
     def ask_to_end(self) -> None:
         """Once; one that is over stays as it is."""
-        if self.working and self.asked is None:
-            self.asked = time.monotonic()
+        if self.working and self.cancelled_at is None:
+            self.cancelled_at = time.monotonic()
             self.process.terminate()
 
     def end_if_overdue(self) -> None:
         """Asked to end and still there after ``PATIENCE``: ended."""
-        if self.asked is not None and time.monotonic() - self.asked > PATIENCE:
+        if self.cancelled_at is not None and time.monotonic() - self.cancelled_at > PATIENCE:
             self.process.kill()
 
 
@@ -114,6 +118,7 @@ class RunJobs:
             (folder / "errors.txt").open("wb") as errors,
         ):
             self._jobs[run_id] = Job(start_child(arguments, folder, progress, errors))
+        log.info("run %s begun", run_id)
         return run_id
 
     def _check_room(self) -> None:
@@ -189,7 +194,7 @@ class RunJobs:
         job = self._jobs.get(run_id)
         if job is None:
             return "interrupted", "the console was ended while it ran"
-        if job.asked is not None:
+        if job.cancelled_at is not None:
             return "interrupted", "cancelled"
         said = _text(self._jobs_folder / run_id / "errors.txt").strip()
         last = said.rsplit("\n", 1)[-1][:REASON_SHOWN]
@@ -199,6 +204,7 @@ class RunJobs:
         """Ask a run to end; one that is over stays as it is."""
         job = self._jobs.get(run_id)
         if job is not None:
+            log.info("run %s cancelled", run_id)
             job.ask_to_end()
 
     def file(self, run_id: str, name: str) -> Path | None:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import logging
 import secrets
 from collections import deque
 from collections.abc import AsyncIterator
@@ -35,6 +36,7 @@ REFUSALS_KEPT = 16
 NOTHING_AHEAD = as_text({"type": "ahead"})
 GONE = (TimeoutError, WebSocketDisconnect, RuntimeError, OSError)
 
+log = logging.getLogger(__name__)
 router = APIRouter()
 
 
@@ -76,6 +78,7 @@ class DriveSocket:
         self._state.drivers.add(self.name)
         try:
             await self._socket.accept()
+            log.info("%s is here", self.name)
             await self._greet()
             async with self._showing():
                 await self._hear()
@@ -85,6 +88,7 @@ class DriveSocket:
             self._lease.close(self._session)
             self._state.drivers.discard(self.name)
             self._state.wake()
+            log.info("%s is gone", self.name)
 
     async def _greet(self) -> None:
         hello = HelloFrame(
@@ -118,6 +122,7 @@ class DriveSocket:
                     return
                 self._handle(self._text_of(message))
         except CloseWith as end:
+            log.warning("%s is closed with %d: %s", self.name, end.code, end)
             self._lease.close(self._session)
             await self._socket.close(end.code, str(end))
 
@@ -167,6 +172,7 @@ class DriveSocket:
                 if self._up_to_date():
                     await self._next_change()
         except GONE:
+            log.info("%s is too slow, or gone", self.name)
             self._lease.close(self._session)
             with contextlib.suppress(*GONE):
                 await asyncio.wait_for(self._socket.close(1008, "too slow"), CLOSE_TIME)

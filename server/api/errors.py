@@ -25,12 +25,12 @@ class HTTPProblem(HTTPException):
         self, status: int, detail: str, *, field: str = "", value: Any = None, limit: Any = None
     ) -> None:
         super().__init__(status, detail)
-        told = {"field": field, "value": value, "limit": limit, "message": detail}
-        self.errors: list[dict[str, Any]] = [told] if field else []
+        fault = {"field": field, "value": value, "limit": limit, "message": detail}
+        self.errors: list[dict[str, Any]] = [fault] if field else []
 
 
 def add_error_answers(app: FastAPI) -> None:
-    """Whatever goes wrong in a route of this app, its client is told so."""
+    """Answer every failure in a route of this app with problem+json."""
     app.add_exception_handler(RequestValidationError, _say_invalid)
     app.add_exception_handler(StarletteHTTPException, _say_refused)
     app.add_exception_handler(Exception, _say_failed)

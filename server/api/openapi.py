@@ -18,8 +18,9 @@ booleans, numeric strings, unknown keys and out-of-range values are refused with
 
 `WS /drive` carries JSON text frames both ways: `DriveFrame`, `PostureFrame`, `TakeFrame`,
 `ReleaseFrame`, `StopFrame`, `RearmFrame` up; `HelloFrame`, `LeaseFrame`, `RefusedFrame`,
-`SnapshotFrame`, `AheadFrame`, `DecisionFrame`, `StyleFrame` down (see Schemas). A held stick is repeated 20 to 30
-times a second; without a fresh frame the machine holds after 0.5 s and sits down after 10 s.
+`SnapshotFrame`, `AheadFrame`, `DecisionFrame`, `StyleFrame` down (see Schemas). A held stick is
+repeated 20 to 30 times a second; without a fresh frame the machine holds after 0.5 s and sits
+down after 10 s.
 """
 UP: tuple[type[BaseModel], ...] = tuple(CLIENT_FRAMES.values())
 DOWN: tuple[type[BaseModel], ...] = (

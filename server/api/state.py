@@ -28,7 +28,7 @@ SETTLE_TIME = 5.0  # s for another world to show
 
 @dataclass(frozen=True)
 class AppSettings:
-    """What the app is told when it is made."""
+    """What the app is made with."""
 
     data: Path = Path("walking-console-data")
     hosts: tuple[str, ...] = ()

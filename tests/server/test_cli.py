@@ -5,9 +5,6 @@ directories, replays.
 from __future__ import annotations
 
 import json
-import socket
-import subprocess
-import sys
 from hashlib import blake2b
 
 import numpy as np
@@ -175,16 +172,6 @@ def test_a_heightmap_with_nan_is_one_clear_line_and_exit_2(tmp_path):
     result = called("run", tmp_path / "s.toml", "--out", tmp_path / "r")
     assert result.exit_code == 2 and len(result.stderr.strip().splitlines()) == 1
     assert "NaN" in result.stderr and "3" in result.stderr and "4" in result.stderr
-
-
-def test_a_port_in_use_is_one_clear_line_and_exit_2():
-    with socket.create_server(("127.0.0.1", 0)) as taken:
-        port = taken.getsockname()[1]
-        command = [sys.executable, "-m", "walking_console", "--port", str(port), "--no-open"]
-        done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
-    assert done.returncode == 2
-    assert str(port) in done.stderr
-    assert len(done.stderr.strip().splitlines()) == 1
 
 
 @pytest.mark.parametrize(
