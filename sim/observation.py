@@ -73,7 +73,7 @@ def _walk_fields(walk: GaitSupervisor) -> dict[str, Any]:
         "plan_time": walk.run.t,
         "ready": walk.ready,
         "flags": walk.flags,
-        "posture": walk.postures.posture,
+        "posture": walk.posture,
         "decision": _decision(walk),
     }
 

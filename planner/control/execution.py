@@ -117,13 +117,21 @@ class Execution:
         if standing:
             return tuple(leg not in self.stance.lifted for leg in legs)
         plan = self.plan
-        swing = set() if self.on_all_feet else {leg for leg in plan.swing if not self.landed(leg)}
-        raised = {leg for leg in plan.end.lifted if leg not in plan.swing}
-        return tuple(leg not in swing and leg not in raised for leg in legs)
+        up = [leg for leg in plan.end.lifted if leg not in plan.swing]
+        if not self.on_all_feet:
+            up += [leg for leg in plan.swing if not self.landed(leg)]
+        return tuple(leg not in up for leg in legs)
 
     def landed(self, leg: int) -> bool:
         """True of a swing leg that has touched down in this plan."""
         return self.reflexes.landed[leg]
+
+    def misses_ground(self, lifts: bool) -> bool:
+        """True when a swing leg has not touched down, though the plan is over; ``lifts``: those that
+        stay in the air across the switch do not count.
+        """
+        waiting = self.plan.end.lifted if lifts else ()
+        return any(leg not in waiting and not self.landed(leg) for leg in self.plan.swing)
 
     def in_the_air(self) -> list[int]:
         """Swing legs that are in the air now."""

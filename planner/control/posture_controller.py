@@ -11,81 +11,126 @@ from collections.abc import Callable
 from ..initial_stance import Placement
 from ..motion.body_tilt import LEVEL, leaned
 from ..motion.postures import Choosing, Poses, regroup, sit, stand
+from ..motion.step_builder import changed
 from ..terrain.map import TerrainMap
-from ..types import Blocked, Stance, StepPlan
-from .execution import Execution
+from ..types import POSTURES, Blocked, Stance
+from .activities import Activity, Event
+from .walk_state import Now, WalkState
 
 Layout = Callable[[Placement], Stance]  # the standard posture of a course
 
 
 class PostureController:
-    """Which posture is wanted, which is being taken, and the plans still to be played for it.
+    """Which posture is wanted, and the plans still to be played for it.
 
-    ``posture`` is the one it is in or going to (stand, sit, standard), ``wanted`` the one asked for
-    and not yet reached, ``low`` whether the body has sunk on command: it rises before it walks.
+    ``wanted`` is the one asked for and not yet reached, ``low`` whether the body has sunk on
+    command: it rises before it walks.
     """
 
-    def __init__(self, run: Execution, layout: Layout) -> None:
-        self.posture = "stand"
+    def __init__(self, state: WalkState, layout: Layout) -> None:
         self.wanted = ""
         self.low = False
-        self.rises_to_walk = False  # a command to move wants the posture it is taking
-        self.plans: Poses = ()
-        self._run = run
+        self._state = state
+        self._run = state.run
         self._layout = layout
+        self._rises_to_walk = False  # a command to move wants the posture it is taking
+        self._plans: Poses = ()
         self._choosing: Choosing | None = None  # the order of the legs is being searched for
         self._terrain: TerrainMap | None = None  # the map the plans were made on
         self._tries = 0  # times the posture wanted has been begun
 
-    def ask(self, posture: str) -> None:
-        """Take a posture from the next standstill on; what else it was going to is dropped."""
-        self.wanted = posture
-        self.rises_to_walk = False
-        self._tries = 0
-        self._choosing = None
-
-    def halt(self) -> None:
-        """No posture is wanted any more."""
-        self.wanted = ""
-        self.rises_to_walk = False
-        self._choosing = None
+    # asking
 
     @property
-    def is_choosing(self) -> bool:
-        """True while the order of the legs is being searched for."""
-        return self._choosing is not None
+    def is_busy(self) -> bool:
+        """True while a posture is being taken, or is to be."""
+        return self._state.activity is Activity.POSTURE or self.wanted != ""
 
-    def begin(self, terrain: TerrainMap) -> Blocked | None:
-        """Count another try; why not, when there have been too many."""
-        if self._tries >= self._run.config.tracking.posture_tries:
-            return Blocked("something keeps the machine from the posture asked for")
-        self._tries += 1
-        self._terrain = terrain
-        return None
+    def ask(self, posture: str) -> str:
+        """Take a posture as soon as it stands; why not, or '' when it will. What else it was going
+        to is dropped.
+        """
+        if posture not in POSTURES:
+            return f"unknown posture {posture!r}; there are: {', '.join(POSTURES)}"
+        if self._state.activity is Activity.HOVER:
+            return "a foot is in the air and has found no ground: drive on first"
+        if self._state.stands:
+            self._state.blocked = None
+        self.wanted = posture
+        self._rises_to_walk = False
+        self._tries = 0
+        self._choosing = None
+        return ""
 
-    def planned(self, stance: Stance, terrain: TerrainMap, crab_angle: float) -> Blocked | bool:
-        """Make the plans of the posture wanted, from a standstill; False while that takes longer."""
-        upright: Poses = ()
-        if stance.lean != LEVEL:
-            levelling = leaned(stance, LEVEL, self._run.machine)
-            if levelling is None:
-                return Blocked("the legs cannot level the body here: drive on first")
-            upright = (levelling,)
-            stance = levelling.end
-        answer = self._plans_from(stance, terrain, crab_angle)
+    def halt(self) -> None:
+        """Whatever posture it is taking, it stops in the next tick, and stays as it is."""
+        self.wanted = ""
+        self._rises_to_walk = False
+        self._choosing = None
+
+    def listen(self, now: Now) -> None:
+        """A command to move ends what was asked for; a command to hold ends rising to walk."""
+        holds = now.command.holds
+        if self._rises_to_walk and holds:
+            self.halt()
+        elif not holds and (self.low or self.is_busy):
+            self._rise(now)
+
+    def _rise(self, now: Now) -> None:
+        """A command to move: a machine that has sunk rises first, and then walks."""
+        state = self._state
+        if not (self.low and state.activity in (Activity.STAND, Activity.POSTURE)):
+            return self.halt()
+        if self.wanted != "stand" and not state.is_refused(now):
+            self.ask("stand")
+            state.job.refused = now.command, now.terrain
+        self._rises_to_walk = self.wanted == "stand"
+
+    # planning
+
+    def take(self, now: Now) -> None:
+        """From standing: plan the posture that is wanted, and begin; the order of the legs takes a
+        few ticks to find.
+        """
+        run, state = self._run, self._state
+        if self._choosing is None:
+            if self._tries >= run.config.tracking.posture_tries:
+                why = Blocked("something keeps the machine from the posture asked for")
+                return self._give_up(why)
+            self._tries += 1
+            self._terrain = now.terrain
+            state.job.forget()
+        here = run.actual(now.sensing, run.stance)
+        if not run.as_planned(here, run.stance):
+            run.stance = here
+        answer = self._planned(run.stance, now.terrain)
         if isinstance(answer, Blocked):
-            return answer
-        if answer is None:
-            return False
-        self.posture = "stand" if self.low and self.wanted == "standard" else self.wanted
-        self.low = self.low or self.wanted == "sit"
-        self.plans = (*upright, *answer)
-        return True
+            self._give_up(answer)
+        elif answer is not None:
+            state.posture = "stand" if self.low and self.wanted == "standard" else self.wanted
+            self.low = self.low or self.wanted == "sit"
+            state.blocked = None
+            self._plans = answer
+            self._play_next()
 
-    def _plans_from(
-        self, stance: Stance, terrain: TerrainMap, crab_angle: float
-    ) -> Poses | Blocked | None:
-        machine, gait = self._run.machine, self._run.gait
+    def _give_up(self, why: Blocked) -> None:
+        self.halt()
+        self._state.blocked = why
+
+    def _planned(self, stance: Stance, terrain: TerrainMap) -> Poses | Blocked | None:
+        """The plans of the posture wanted, a leaning body levelled first; None while that takes
+        longer.
+        """
+        if stance.lean == LEVEL:
+            return self._plans_from(stance, terrain)
+        levelling = leaned(stance, LEVEL, self._run.machine)
+        if levelling is None:
+            return Blocked("the legs cannot level the body here: drive on first")
+        answer = self._plans_from(levelling.end, terrain)
+        return (levelling, *answer) if isinstance(answer, tuple) else answer
+
+    def _plans_from(self, stance: Stance, terrain: TerrainMap) -> Poses | Blocked | None:
+        machine, gait, crab_angle = self._run.machine, self._run.gait, self._state.crab_angle
         if self.wanted == "sit":
             return sit(stance, terrain, machine, gait)
         if self.wanted == "stand" or self.low:
@@ -94,48 +139,76 @@ class PostureController:
             x, y, _, yaw = stance.body
             goal = self._layout(Placement((x, y, yaw), terrain.height_at, crab_angle))
             self._choosing = regroup(stance, goal, terrain, machine, gait, crab_angle)
-        return self._choose_on()
+        return self._choose_on(self._choosing)
 
-    def _choose_on(self) -> Poses | Blocked | None:
+    def _choose_on(self, choosing: Choosing) -> Poses | Blocked | None:
         """Some more of the search for the order of the legs; None while it goes on."""
-        assert self._choosing is not None
         try:
             for _ in range(self._run.config.planning.slices_wanted):
-                next(self._choosing)
+                next(choosing)
         except StopIteration as done:
             self._choosing = None
             answer: Poses | Blocked = done.value
             return answer
         return None
 
-    def next_plan(self) -> StepPlan:
-        """The next plan of the posture."""
-        plan, *rest = self.plans
-        self.plans = tuple(rest)
-        return plan
+    # playing
 
-    def taken(self) -> None:
+    def _play_next(self) -> None:
+        """The next plan of the posture; when there is none left, it has been taken."""
+        if not self._plans:
+            return self._taken(self._run.stance)
+        plan, *rest = self._plans
+        self._plans = tuple(rest)
+        self._state.interrupt(plan, Event.POSTURE_READY)
+        self._state.steps_begun += self._state.posture == "standard"
+
+    def _taken(self, stance: Stance) -> None:
         """The posture is taken; one that was only on the way to another leaves that wanted."""
-        self.low = self.posture == "sit"
-        if self.wanted == self.posture:
+        self.low = self._state.posture == "sit"
+        if self.wanted == self._state.posture:
             self.wanted = ""
-
-    def broken_off(self) -> None:
-        """The posture is not gone on with: it stands, wherever it is."""
-        self.posture = "stand"
+        self._state.rest(stance)
 
     @property
     def is_still_wanted(self) -> bool:
         """True while the posture being taken is the one wanted, or on the way to it."""
-        on_the_way = self.wanted == "standard" and self.posture == "stand" and self.low
-        return self.wanted == self.posture or on_the_way
+        posture = self._state.posture
+        on_the_way = self.wanted == "standard" and posture == "stand" and self.low
+        return self.wanted == posture or on_the_way
 
-    def is_still_good(self, terrain: TerrainMap) -> bool:
+    def break_off(self, now: Now) -> None:
+        """The posture is not gone on with: it stops, wherever it is."""
+        self._state.posture = "stand"
+        self._state.stop(now)
+
+    def next_plan(self, now: Now, left: float) -> float:
+        """A plan of the posture is over; ``left`` seconds of this tick belong to the next one, if
+        all came out as planned. Answers with the time into what is played then, s.
+        """
+        run, state = self._run, self._state
+        stance = run.arrived(now.sensing)
+        good = run.as_planned(stance, run.plan.end)
+        if good:
+            stance = run.plan.end  # what sensors say beside it is noise
+        if state.posture == "standard":
+            state.executed = changed(run.plan, end=stance)
+        run.stance = stance
+        if not self._plans:
+            self._taken(stance)
+            return 0.0
+        if not (good and self._is_still_good(now.terrain)):
+            state.rest(stance)  # and plan anew from there: the posture is still wanted
+            return 0.0
+        self._play_next()
+        return min(left, run.tracker.duration)
+
+    def _is_still_good(self, terrain: TerrainMap) -> bool:
         """True while every foothold still to come is believed to be what it was taken for."""
         if terrain is self._terrain:
             return True
         off = self._run.config.tracking.same_ground
-        places = [plan.landing for plan in self.plans if plan.landing is not None]
+        places = [plan.landing for plan in self._plans if plan.landing is not None]
         return all(
             terrain.allows(x, y) and abs(terrain.height_at(x, y) - z) <= off for x, y, z in places
         )

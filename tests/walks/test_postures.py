@@ -9,7 +9,7 @@ import random
 import numpy as np
 import pytest
 
-from walking_console.planner.control.supervisor import Activity
+from walking_console.planner.control.activities import Activity
 from walking_console.planner.crab.measures import is_standard, off_standard
 from walking_console.planner.types import POSTURES, Command, Mode
 from walking_console.sim.perception import disc
@@ -59,7 +59,7 @@ def ask(console: Simulation, posture: str, seconds: float = 20.0) -> None:
 def off(console: Simulation) -> float:
     """How far the machine stands from its standard layout, as a share of the stride."""
     walk = console.walk
-    return off_standard(walk.run.machine, walk.run.gait, walk.crab_angle, walk.stance)
+    return off_standard(walk.run.machine, walk.run.gait, walk.state.crab_angle, walk.stance)
 
 
 # whole walks
@@ -161,7 +161,7 @@ def test_the_standard_posture_is_that_of_the_last_course_not_of_the_stick_at_res
     run(console, 60)
     console.order(HOLD)
     ask(console, "standard")
-    assert console.walk.crab_angle == pytest.approx(math.pi / 2) and off(console) < THERE
+    assert console.walk.state.crab_angle == pytest.approx(math.pi / 2) and off(console) < THERE
     assert console.walk.stance.quarter_turns == 1
 
 

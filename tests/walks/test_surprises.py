@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from walking_console.planner.control.contact_reflexes import TABLE, ContactEvent, FootState
+from walking_console.planner.control.encounter import TABLE, ContactEvent, FootState
 from walking_console.planner.stability import MARGIN_SLACK
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.types import Command, Mode

@@ -1,0 +1,146 @@
+"""What the feet feel beside their plan: obstacles on their way, edges, ground that is not there."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from ..geometry.transforms import left_fold_sum
+from ..motion.body_tilt import unleaned
+from ..terrain.map import TerrainMap
+from ..types import Phase, Point, Sensing
+from .encounter import ContactEvent, Encounter, FootState, at_top
+from .execution import Execution, feet_absolute
+
+AHEAD = 0.5  # cosine of how far aside of its way, 60°, a foot takes what it feels for an obstacle
+LOOKS_ON = 0.1  # s of the plan, over which the way of the foot is told
+
+
+class Touch(NamedTuple):
+    """Something met that the map does not show."""
+
+    event: ContactEvent
+    leg: int
+    bearing: float | None  # rad, absolute: where it was felt, None if it was not
+
+
+class Feelers:
+    """Soles and whiskers, read against the plan that runs and the map."""
+
+    def __init__(self, run: Execution) -> None:
+        self._run = run
+        self._settings = run.config.contact
+
+    def surprise(self, sensing: Sensing, terrain: TerrainMap) -> Touch | None:
+        """Case 1 or 3 in the running plan: a swing foot meets what the map does not show, or its
+        foothold is an edge.
+        """
+        run = self._run
+        for leg in run.plan.swing:
+            phase = run.phase
+            if phase is Phase.RETURN:
+                felt = self._felt(leg, sensing, terrain)
+                if felt is not None:
+                    return Touch(ContactEvent.HIT, leg, felt)
+            elif phase is Phase.DOWN and sensing.soles[leg] and not run.landed(leg):
+                if hangs_over(leg, sensing):
+                    return Touch(ContactEvent.EDGE, leg, hangs_over_towards(leg, sensing))
+        return None
+
+    def noticed(self, encounter: Encounter, sensing: Sensing, terrain: TerrainMap) -> Touch | None:
+        """What has happened in this tick of an encounter, if its table knows it."""
+        bearing = self._felt(encounter.leg, sensing, terrain)
+        event = self._event(encounter, sensing, bearing)
+        return None if event is None else Touch(event, encounter.leg, bearing)
+
+    def _event(
+        self, encounter: Encounter, sensing: Sensing, bearing: float | None
+    ) -> ContactEvent | None:
+        run = self._run
+        phase = run.phase
+        if phase is Phase.DOWN and run.landed(encounter.leg):
+            over = hangs_over(encounter.leg, sensing)
+            return ContactEvent.EDGE if over else ContactEvent.LANDED
+        if phase is Phase.RETURN and bearing is not None and encounter.state in _MOVING_ON:
+            return ContactEvent.HIT
+        if not run.is_over(run.t):
+            return None
+        if encounter.state is FootState.CLIMB:
+            return self._climbed(encounter, sensing)
+        return ContactEvent.NO_GROUND if phase is Phase.DOWN else ContactEvent.DONE
+
+    def _climbed(self, encounter: Encounter, sensing: Sensing) -> ContactEvent:
+        """A little higher: is it free there, or can the leg be drawn no higher?"""
+        if felt_towards(encounter, sensing) is None:
+            return ContactEvent.CLEAR
+        here = unleaned(self._run.actual(sensing, self._run.plan.end))
+        high = at_top(here, encounter.leg, self._run.machine)
+        enough = encounter.hits >= self._settings.hits_max
+        return ContactEvent.TOP if high or enough else ContactEvent.DONE
+
+    def _felt(self, leg: int, sensing: Sensing, terrain: TerrainMap) -> float | None:
+        """Absolute bearing of something felt on the foot's way that the map does not show; None
+        when there is nothing.
+        """
+        bits = sensing.whiskers[leg]
+        if not bits:
+            return None
+        tracker, t = self._run.tracker, self._run.t
+        here = tracker.foot_at(leg, t)
+        there = tracker.foot_at(leg, min(t + LOOKS_ON, tracker.duration))
+        if here[0] == there[0] and here[1] == there[1]:
+            return None
+        yaw = sensing.body[5]
+        ahead = felt_ahead(bits, math.atan2(there[1] - here[1], there[0] - here[0]) - yaw)
+        if ahead is None or self._is_shown(feet_absolute(sensing)[leg], terrain):
+            return None
+        return ahead + yaw
+
+    def _is_shown(self, foot: Point, terrain: TerrainMap) -> bool:
+        """True when the map has ground higher than the foot within reach of its whiskers."""
+        x, y, z = foot
+        reach = self._run.machine.foot_radius + self._settings.whisker_tip + terrain.cell
+        return terrain.crest_in(x - reach, x + reach, y - reach, y + reach) > z
+
+
+_MOVING_ON = (FootState.RETRY, FootState.PLACE, FootState.RETRACE)
+
+
+def felt_towards(encounter: Encounter, sensing: Sensing) -> float | None:
+    """Absolute bearing of something felt between the foot and where it was to land."""
+    foot, goal, yaw = feet_absolute(sensing)[encounter.leg], encounter.goal, sensing.body[5]
+    bearing = math.atan2(goal[1] - foot[1], goal[0] - foot[0]) - yaw
+    ahead = felt_ahead(sensing.whiskers[encounter.leg], bearing)
+    return None if ahead is None else ahead + yaw
+
+
+def hangs_over(leg: int, sensing: Sensing) -> bool:
+    """True when a sole hangs over an edge, of a machine that feels it."""
+    return bool(sensing.rims) and sensing.rims[leg] != 0
+
+
+def hangs_over_towards(leg: int, sensing: Sensing) -> float | None:
+    """Absolute direction in which the sole hangs over."""
+    bearing = _mean_bearing(_bearings(sensing.rims[leg] if sensing.rims else 0))
+    return None if bearing is None else bearing + sensing.body[5]
+
+
+def felt_ahead(bits: int, bearing_b: float) -> float | None:
+    """Where in the forward half of eight whiskers something is felt, body axes; None when it is
+    free that way.
+    """
+    return _mean_bearing(
+        [angle for angle in _bearings(bits) if math.cos(angle - bearing_b) > AHEAD]
+    )
+
+
+def _bearings(bits: int) -> list[float]:
+    """The directions of eight whose bits are set, rad."""
+    return [k * math.pi / 4 for k in range(8) if bits >> k & 1]
+
+
+def _mean_bearing(angles: list[float]) -> float | None:
+    """The direction between several, rad; None without any, and when they cancel out."""
+    sine = left_fold_sum(map(math.sin, angles))
+    cosine = left_fold_sum(map(math.cos, angles))
+    return None if math.hypot(sine, cosine) < 1e-9 else math.atan2(sine, cosine)

@@ -1,0 +1,90 @@
+"""One step after the other: starting from a standstill, and switching at N_{k+1} (H §4.4, §9.3)."""
+
+from __future__ import annotations
+
+from ..motion.step_builder import changed
+from ..types import Blocked, Command, Stance, StepPlan
+from .activities import Event
+from .plan_job import Question
+from .walk_state import Now, WalkState
+
+
+class StepController:
+    """When a step begins, what is asked for while it runs, and what follows on it."""
+
+    def __init__(self, state: WalkState) -> None:
+        self._state = state
+        self._run = state.run
+        self._job = state.job
+        # steps running that were cut short because the body was not where they had it
+        self._held = 0
+
+    def start(self, now: Now) -> None:
+        """From standing: plan the first step now; when it is ready, walk."""
+        job = self._job
+        if self._state.is_refused(now):
+            return
+        if self._held >= self._run.config.tracking.held_max:
+            self._held = 0
+            job.refused = (now.command, now.terrain)
+            self._state.blocked = Blocked(
+                "something holds the body back: a leg or the torso is against an obstacle"
+            )
+            return
+        stance = job.stance_asked(now.command, now.terrain)
+        if stance is None:
+            stance = self._run.actual(now.sensing, self._run.stance)
+        answer = job.answer_standing(Question(stance, now.command, now.terrain))
+        asked = job.asked
+        if answer is not None and asked is not None:
+            self._begin(answer, stance, 0.0, now.command)
+            job.refused = (asked.command, now.terrain)
+
+    def is_held_back(self, now: Now) -> bool:
+        """True when the body is not where the step has it; counted until a step comes to its end."""
+        held = self._run.held_back(now.sensing)
+        self._held += held
+        return held
+
+    def plan_ahead(self, now: Now) -> None:
+        """While a step runs: plan the next from where it is expected to end."""
+        question = Question(self._run.plan.end, now.command, now.terrain)
+        self._job.consider(question, self._run.config.planning.slices)
+
+    def switch(self, now: Now, left: float) -> float:
+        """N_{k+1}: the running step is over; ``left`` seconds of this tick belong to the next one.
+
+        Answers with the time into what is played then, s.
+        """
+        stance = self._run.arrived(now.sensing)
+        self._state.executed = changed(self._run.plan, end=stance)
+        self._held = 0
+        question = Question(stance, now.command, now.terrain)
+        self._job.consider(question, self._run.config.planning.slices_wanted)
+        answer = self._job.answer(now.command)
+        if answer is None:  # not planned yet: hold on standing feet
+            self._state.rest(stance, keep_job=True)
+            return 0.0
+        return self._begin(answer, stance, left, now.command)
+
+    def _begin(
+        self, answer: StepPlan | Blocked, stance: Stance, left: float, command: Command
+    ) -> float:
+        """The next step, or standing because there is none."""
+        state, run = self._state, self._run
+        if isinstance(answer, Blocked):
+            state.rest(stance)
+            state.blocked = answer
+            return 0.0
+        run.stance = stance
+        self._job.begun()
+        state.blocked = None
+        run.play(answer)
+        state.happens(Event.STEP_READY)
+        state.steps_begun += 1
+        state.heading = stance.body[3] + answer.crab_angle
+        state.posture = "stand"
+        if command.speed > 0.0:
+            state.crab_angle = command.crab_angle
+        run.pace = run.pace_for(command)
+        return min(left * run.pace, run.tracker.duration)

@@ -1,0 +1,113 @@
+"""What all parts of the supervisor share: what the walker is at, and how that ends or is broken off."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ..motion.body_tilt import leaning
+from ..motion.foot_placement import place_feet
+from ..motion.step_builder import changed
+from ..terrain.map import TerrainMap
+from ..types import Blocked, Command, Sensing, Stance, StepPlan
+from .activities import PLACING, Activity, Event, after
+from .execution import Execution
+from .plan_job import PlanJob
+
+
+class Now(NamedTuple):
+    """What a tick brings."""
+
+    sensing: Sensing
+    command: Command
+    terrain: TerrainMap
+
+
+class WalkState:
+    """The walk as it is.
+
+    ``blocked`` says why it stands when it should not, ``executed`` is the step finished in this
+    tick with its end as it came out, ``heading`` (rad) the absolute direction of the course walked,
+    ``crab_angle`` (rad) that of the last course commanded, ``posture`` the one it is in or going to
+    (stand, sit, standard), ``hovered`` what it was at when it began to hover.
+    """
+
+    def __init__(self, run: Execution, job: PlanJob, crab_angle: float) -> None:
+        self.activity = Activity.STAND
+        self.run = run
+        self.job = job
+        self.blocked: Blocked | None = None
+        self.executed: StepPlan | None = None
+        self.steps_begun = 0
+        self.heading = 0.0
+        self.crab_angle = crab_angle
+        self.posture = "stand"
+        self.hovered = Activity.STEP
+
+    @property
+    def stands(self) -> bool:
+        """True while it stands on its feet and plays nothing."""
+        return self.activity is Activity.STAND
+
+    @property
+    def steps(self) -> bool:
+        """True while a step is played."""
+        return self.activity is Activity.STEP
+
+    def is_refused(self, now: Now) -> bool:
+        """True when just this was answered by what it is blocked by."""
+        return self.blocked is not None and self.job.refused == (now.command, now.terrain)
+
+    def happens(self, event: Event) -> None:
+        """Something happens: the table says what it is at from here on."""
+        self.activity = after(self.activity, event)
+
+    def interrupt(self, plan: StepPlan, event: Event) -> None:
+        """Play a plan in place of the one that runs; a step is remembered as cut short."""
+        if self.activity is Activity.STEP or self.activity is Activity.POSTURE:
+            self.run.interrupted = self.run.plan
+        self.happens(event)
+        self.run.play(plan)
+
+    def rest(self, stance: Stance, keep_job: bool = False) -> None:
+        """On standing feet, from here on; a step cut short has come to its end."""
+        run = self.run
+        if self.activity in PLACING and run.interrupted is not None:
+            self.executed = changed(run.interrupted, end=stance)
+            run.interrupted = None
+        run.hold(stance)
+        self.happens(Event.AT_REST)
+        self.blocked = None
+        self.job.rest(keep_job)
+
+    def stand_still(self, now: Now) -> None:
+        """Rest where the machine really is."""
+        run = self.run
+        cut_short = run.interrupted if self.activity in PLACING else run.plan
+        settling = self.activity is Activity.SETTLE
+        remembered = run.remembered(now.sensing, cut_short, settling)
+        self.rest(run.actual(now.sensing, remembered))
+
+    def stop(self, now: Now) -> None:
+        """The body stops in this tick; feet in the air are set down where they are nearest to
+        ground.
+        """
+        run = self.run
+        airborne = run.in_the_air()
+        if not airborne:
+            return self.stand_still(now)
+        here = run.actual(now.sensing, run.plan.end)
+        self.job.forget()
+        frame = leaning(here, now.terrain, run.machine)
+        settling = place_feet(frame.stance, airborne, frame.terrain, frame.machine, run.gait)
+        if isinstance(settling, Blocked):
+            self.hover(settling)
+        else:
+            self.interrupt(frame.restored(settling, here), Event.CUT_SHORT)
+
+    def hover(self, why: Blocked) -> None:
+        """Hold everything, one foot in the air on three that carry: there is no ground for it here.
+        Driving on resumes.
+        """
+        self.hovered = self.activity
+        self.happens(Event.NO_PLACE)
+        self.blocked = why
