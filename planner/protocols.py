@@ -54,6 +54,7 @@ class Capabilities:
     duty_factor_min: float = 0.5  # below it no gait of this planner stands
     # legs that stand at any time; None: as many as the gait's duty factor says
     standing_min: int | None = None
+    rigid_gaits: tuple[str, ...] = ()  # periodic gaits it can be held to, by name
 
     def but(self, **changes: Any) -> Capabilities:
         """The same with some changed."""

@@ -133,6 +133,12 @@ def mode_names() -> tuple[str, ...]:
     return tuple(dict.fromkeys(names))
 
 
+def rigid_gait_names() -> tuple[str, ...]:
+    """Every periodic gait that any planner can be held to."""
+    declared = (mode for name in planner_names() for mode in _ENTRIES[name].modes.values())
+    return tuple(dict.fromkeys(gait for mode in declared for gait in mode.rigid_gaits))
+
+
 def planner_entry(name: str) -> PlannerEntry:
     """The planner of this name; raises ``PlannerError`` that lists those there are."""
     if name not in planner_names():

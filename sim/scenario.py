@@ -85,6 +85,7 @@ class _Registered:
 PlannerName = Annotated[str, _Registered(registry.planner_names)]
 ModeName = Annotated[str, _Registered(registry.mode_names)]
 PlantName = Annotated[str, _Registered(PLANTS.keys)]
+RigidGaitName = Annotated[str, _Registered(registry.rigid_gait_names)]
 
 
 class GaitChange(_Table):
@@ -96,7 +97,7 @@ class GaitChange(_Table):
     height: float | None = Field(default=None, gt=0.0, le=5.0)  # m, H
     smooth: bool = True  # eased swing phases; false: constant velocity between knots
     # trace planner: this gait and no other
-    rigid: Literal["tripod", "ripple", "wave", "gallop"] | None = None
+    rigid: RigidGaitName | None = None
 
 
 class Start(_Table):

@@ -6,12 +6,16 @@ from ..geometry.transforms import Body
 from ..protocols import Capabilities, Planner, PlannerError, PlannerSetup, PlanningJob
 from ..terrain.map import TerrainMap
 from ..types import Command, GaitPreview, Stance, StepPlan
-from .periodic_gaits import rigid_gait
+from .periodic_gaits import GAITS, rigid_gait
 from .planner import TraceWalk
 from .preview import ahead, course_now
 
 CAPABILITIES = Capabilities(
-    follows_trace=True, gives_preview=True, gives_decision=True, standing_min=3
+    follows_trace=True,
+    gives_preview=True,
+    gives_decision=True,
+    standing_min=3,
+    rigid_gaits=tuple(GAITS),
 )
 
 

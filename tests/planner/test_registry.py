@@ -94,3 +94,7 @@ def test_a_package_that_cannot_be_loaded_is_named(monkeypatch):
     monkeypatch.undo()
     registry._load_installed.cache_clear()
     assert "crab" in registry.planner_names()
+
+
+def test_rigid_gaits_are_those_that_planners_declare():
+    assert registry.rigid_gait_names() == ("tripod", "wave", "ripple", "gallop")
