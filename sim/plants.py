@@ -8,8 +8,10 @@ a ``Plant``. A scenario then asks for it with ``plant = "name"``, and the confor
 from __future__ import annotations
 
 import platform
+from collections.abc import Callable
 from dataclasses import dataclass
-from importlib.metadata import version
+from importlib import import_module
+from importlib.metadata import PackageNotFoundError, version
 from typing import Protocol
 
 import numpy as np
@@ -23,6 +25,10 @@ from .sensor_noise import SensorNoise
 from .terrain.ground import Ground
 
 DEFAULT_PLANT = "kinematic"
+
+
+class PlantMissing(ValueError):
+    """A plant that cannot be had here; one line says what to install."""
 
 
 class PlantMaker(Protocol):
@@ -47,12 +53,36 @@ class PlantEntry:
     """A plant as it is registered."""
 
     make: PlantMaker
-    # distributions whose version a walk depends on to the last bit
+    # raises ``PlantMissing`` where what it is made with is not installed
+    check: Callable[[], None] = lambda: None
+    # distributions whose version a walk depends on to the last bit; "a|b": either provides it
     libraries: tuple[str, ...] = ()
 
 
+def _physics(
+    machine: Machine,
+    ground: Ground,
+    stance: Stance,
+    *,
+    noise: SensorNoise | None = None,
+    rng: np.random.Generator | None = None,
+) -> Plant[Ground]:
+    """Imported when first asked for: a bare install does without MuJoCo."""
+    from .mujoco.plant import PhysicsPlant
+
+    return PhysicsPlant(machine, ground, stance, noise=noise, rng=rng)
+
+
+def _check_physics() -> None:
+    try:
+        import_module("walking_console.sim.mujoco.library")
+    except ImportError as error:
+        raise PlantMissing(str(error)) from None
+
+
 PLANTS: dict[str, PlantEntry] = {
-    "kinematic": PlantEntry(KinematicPlant, ("pymunk",)),
+    "kinematic": PlantEntry(KinematicPlant, libraries=("pymunk",)),
+    "physics": PlantEntry(_physics, _check_physics, ("mujoco-core|mujoco",)),
 }
 
 
@@ -66,5 +96,16 @@ def plant_entry(name: str) -> PlantEntry:
 
 def versions(name: str) -> dict[str, str]:
     """What a walk of this plant depends on to the last bit: Python, numpy, its own libraries."""
-    libraries = {library: version(library) for library in plant_entry(name).libraries}
+    libraries = dict(_installed(library) for library in plant_entry(name).libraries)
     return {"python": platform.python_version(), "numpy": np.__version__, **libraries}
+
+
+def _installed(library: str) -> tuple[str, str]:
+    """The distribution that provides a library, and its version."""
+    *others, last = library.split("|")
+    for name in others:
+        try:
+            return name, version(name)
+        except PackageNotFoundError:
+            continue
+    return last, version(last)

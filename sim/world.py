@@ -21,6 +21,7 @@ from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.terrain.traversability import classify
 from walking_console.planner.types import Gait, Stance
 
+from .plants import PlantMissing, plant_entry
 from .scenario import Scenario, ScenarioError
 from .terrain.ground import Ground, make_ground
 
@@ -47,6 +48,7 @@ def prepare(
     ``machine`` and ``ground`` replace those the scenario names: what a recorded run brings along.
     Raises ``MachineError``, ``GroundError`` or ``ScenarioError`` with one clear line.
     """
+    check_plant(scenario)
     machine = machine or load_machine(scenario.robot, scenario.base)
     gait = scenario.gait_for(machine)
     course = given_trace(scenario, machine)
@@ -56,6 +58,14 @@ def prepare(
     belief = TerrainMap(ground.heights, forbidden, ground.cell, ground.origin, machine.foot_radius)
     stance = stance_at_start(scenario, machine, gait, ground.height_at)
     return World(scenario, machine, gait, ground, belief, forbidden, stance, course)
+
+
+def check_plant(scenario: Scenario) -> None:
+    """Raises ``ScenarioError`` when the scenario's plant cannot be had on this computer."""
+    try:
+        plant_entry(scenario.plant).check()
+    except PlantMissing as error:
+        raise ScenarioError(f"plant: {error}") from None
 
 
 def ground_for(scenario: Scenario, machine: Machine, gait: Gait) -> Ground:
