@@ -1,0 +1,188 @@
+"""The body's way between switching points: a smooth curve that stays inside every support.
+
+The papers lead the centre of gravity along the reference (H: the straight line L_G, K: the trace).
+On that line the polygon margin falls to a millimetre (H at 45°: L_G runs along the diagonal), which
+no machine with mass can stand on. The same footholds carry safely when the body is swayed a few
+centimetres aside of the reference into each support. Here the sway is found as a function of time:
+
+* At every *key* (a leg lifts, a foot lands) the lateral offset must lie between two bounds, so that
+  the centre of gravity keeps the wanted margin in the polygons on both sides of that instant.
+* The shortest way through these gates is a polyline (a taut string); rates at the keys by
+  Fritsch & Carlson 1980 make it a monotone cubic, continuous in velocity, that stays between them.
+
+Progress along the reference is left as it was planned. Lengths in metres, times in seconds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from ..stability import Polygon
+
+OFFSET_MAX = 0.05  # m aside of the reference at most; more: see legs leave their reach
+SWEEPS = 40  # of the taut string through its gates; fewer: see it cut corners by millimetres
+SHORTEST = 0.02  # s; keys nearer than this count as this far apart
+
+
+class Key(NamedTuple):
+    """An instant at which a leg lifts or a foot lands, and how far aside the body may be then."""
+
+    time: float  # s from the step-switching point
+    low: float  # m, least lateral offset (positive to the left of the course)
+    high: float  # m, largest; below ``low`` when no offset keeps the margin
+
+
+class Knot(NamedTuple):
+    """Value and rate of a smooth function at a time."""
+
+    time: float
+    value: float
+    rate: float
+
+
+def lateral_bounds(
+    polygon: Polygon, x: float, y: float, across: tuple[float, float], margin: float
+) -> tuple[float, float]:
+    """Offsets along the unit vector ``across`` at which (x, y) keeps ``margin`` inside the polygon.
+
+    Bounds are cut to ``OFFSET_MAX``. Where no offset keeps the margin both bounds are the offset that
+    keeps most of it. ``polygon`` is convex and counter-clockwise; (0, 0) without one.
+    """
+    if len(polygon) < 3:
+        return 0.0, 0.0
+    low, high = -OFFSET_MAX, OFFSET_MAX
+    lines = _edges_across(polygon, x, y, across)
+    for depth, rate in lines:
+        if rate > 1e-9:
+            low = max(low, (margin - depth) / rate)
+        elif rate < -1e-9:
+            high = min(high, (margin - depth) / rate)
+    if low <= high:
+        return low, high
+    best = _deepest(lines)
+    return best, best
+
+
+def _edges_across(
+    polygon: Polygon, x: float, y: float, across: tuple[float, float]
+) -> list[tuple[float, float]]:
+    """Of every edge: how deep (x, y) lies inside it, m, and how that changes along ``across``."""
+    lines = []
+    ax, ay = polygon[-1]
+    for bx, by in polygon:
+        ex, ey = bx - ax, by - ay
+        length = (ex * ex + ey * ey) ** 0.5
+        depth = (ex * (y - ay) - ey * (x - ax)) / length
+        rate = (ex * across[1] - ey * across[0]) / length
+        lines.append((depth, rate))
+        ax, ay = bx, by
+    return lines
+
+
+def _deepest(lines: list[tuple[float, float]]) -> float:
+    """The offset within ``OFFSET_MAX`` at which the least depth is largest.
+
+    The least of lines is concave: the best point is an end, or where a rising and a falling line
+    cross.
+    """
+    candidates = [-OFFSET_MAX, OFFSET_MAX]
+    for depth_a, rate_a in lines:
+        for depth_b, rate_b in lines:
+            if rate_a > rate_b + 1e-9:
+                crossing = (depth_b - depth_a) / (rate_a - rate_b)
+                candidates.append(min(max(crossing, -OFFSET_MAX), OFFSET_MAX))
+    return max(candidates, key=lambda offset: min(depth + rate * offset for depth, rate in lines))
+
+
+def meeting(one: tuple[float, float], other: tuple[float, float]) -> tuple[float, float]:
+    """The bounds that two pairs of bounds share; the middle of the gap when they share nothing."""
+    low, high = max(one[0], other[0]), min(one[1], other[1])
+    if low <= high:
+        return low, high
+    middle = (low + high) / 2
+    return middle, middle
+
+
+def through_gates(start: Knot, keys: Sequence[Key]) -> list[Knot]:
+    """The offset and its rate at ``start`` and at every key after it.
+
+    The offsets are those of the shortest way in the plane of time and offset (its square, so that
+    the answer is one linear pass after the other: a fixed count of Gauss-Seidel sweeps, projected on
+    the bounds). The last rate is 0: beyond what is foreseen the body goes along the reference.
+    """
+    times = [start.time, *(key.time for key in keys)]
+    values = [start.value, *(min(max(0.0, key.low), key.high) for key in keys)]
+    for _ in range(SWEEPS):
+        for k, key in enumerate(keys, 1):
+            values[k] = min(max(_between(times, values, k), key.low), key.high)
+    rates = monotone_rates(times, values, start.rate, 0.0)
+    return [Knot(*knot) for knot in zip(times, values, rates, strict=True)]
+
+
+def _between(times: Sequence[float], values: Sequence[float], k: int) -> float:
+    """The value at which the way over key k is shortest; that of its neighbour at the end."""
+    if k + 1 == len(times):
+        return values[k - 1]
+    before = 1.0 / max(times[k] - times[k - 1], SHORTEST)
+    after = 1.0 / max(times[k + 1] - times[k], SHORTEST)
+    return (before * values[k - 1] + after * values[k + 1]) / (before + after)
+
+
+def monotone_rates(
+    times: Sequence[float], values: Sequence[float], first: float, last: float
+) -> list[float]:
+    """Rates at the times that make the cubic through the values monotone between them.
+
+    Fritsch & Carlson 1980 with the weighted harmonic mean of Fritsch & Butland 1984; ``first`` and
+    ``last`` are the rates at the ends.
+    """
+    rates = [first]
+    for k in range(1, len(times) - 1):
+        before, after = times[k] - times[k - 1], times[k + 1] - times[k]
+        slope = (values[k] - values[k - 1]) / max(before, SHORTEST)
+        next_slope = (values[k + 1] - values[k]) / max(after, SHORTEST)
+        if slope * next_slope <= 0.0:
+            rates.append(0.0)
+            continue
+        weight, next_weight = 2.0 * after + before, after + 2.0 * before
+        rates.append((weight + next_weight) / (weight / slope + next_weight / next_slope))
+    if len(times) > 1:
+        rates.append(last)
+    return rates
+
+
+def at(knots: Sequence[Knot], time: float) -> Knot:
+    """Value and rate of the cubic through the knots at a time; held outside them."""
+    if time <= knots[0].time:
+        return knots[0]
+    if time >= knots[-1].time:
+        return Knot(time, knots[-1].value, 0.0)
+    k = next(k for k in range(1, len(knots)) if time <= knots[k].time)
+    return _cubic(knots[k - 1], knots[k], time)
+
+
+def _cubic(a: Knot, b: Knot, time: float) -> Knot:
+    """The cubic from one knot to the next (Hermite's form)."""
+    span = b.time - a.time
+    u = (time - a.time) / span
+    slope = (b.value - a.value) / span
+    value = a.value + (time - a.time) * (
+        a.rate + u * ((3.0 * slope - 2.0 * a.rate - b.rate) + u * (a.rate + b.rate - 2.0 * slope))
+    )
+    rate = a.rate + u * (
+        2.0 * (3.0 * slope - 2.0 * a.rate - b.rate) + 3.0 * u * (a.rate + b.rate - 2.0 * slope)
+    )
+    return Knot(time, value, rate)
+
+
+def largest_acceleration(knots: Sequence[Knot]) -> float:
+    """The largest acceleration of the cubic through the knots, m/s² (at an end of a stretch)."""
+    largest = 0.0
+    for a, b in zip(knots, knots[1:], strict=False):
+        span = max(b.time - a.time, SHORTEST)
+        slope = (b.value - a.value) / span
+        start = 2.0 * (3.0 * slope - 2.0 * a.rate - b.rate) / span
+        end = 2.0 * (a.rate + 2.0 * b.rate - 3.0 * slope) / span
+        largest = max(largest, abs(start), abs(end))
+    return largest
