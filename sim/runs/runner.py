@@ -160,6 +160,7 @@ def summarise(
         "robot": as_data(console.world.machine),
         "result": result,
         "reason": reason,
+        "ground": console.perception.ground.note or console.perception.ground.kind,
         **figures,
         "expect": held(scenario, figures),
         "modes": MODES,

@@ -1,5 +1,8 @@
-"""Ground from outside: height files (.npy, .npz, .png) and the elevation model in ``sim/data``.
+"""Ground from outside: height files of many formats, and the elevation model in ``sim/data``.
 
+One path for all formats: a reader (``readers``) answers with what the file holds and says, then
+heights are taken for what they are (NODATA, flip, step, scale), placed (cell, origin, crop),
+brought to the walker (offset) and checked. Whatever was decided on the way is told in one line.
 Whatever a file says about itself is checked against the limits before its data is read, and every
 refusal is one line.
 """
@@ -7,17 +10,15 @@ refusal is one line.
 from __future__ import annotations
 
 import math
-import os
 import warnings
-import zipfile
+from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib import resources
 from pathlib import Path
-from typing import IO, Any
+from typing import NamedTuple
 
 import numpy as np
-from numpy.lib import format as npy
-from PIL import Image
+from numpy.typing import NDArray
 
 from walking_console.planner.robot.model import is_file
 
@@ -32,33 +33,70 @@ from .generators import (
     Site,
     _turn,
 )
+from .readers import READERS, Raster
 
-ARRAY_CELLS_MAX = 1_000_000
-PICTURE_CELLS_MAX = 4_000_000
-HEADER_MAX = 4096  # bytes of an .npy header
-MEMBERS_MAX = 16  # of an .npz
-MEMBER_BYTES_MAX = 8 * ARRAY_CELLS_MAX + 2 * HEADER_MAX
-HEIGHT_MAX = 10.0  # m
+Mask = NDArray[np.bool_]
+
+CELLS_MAX = 4_000_000  # of a map that is walked on, whatever the format
+HEIGHT_MAX = 10.0  # m from 0; beyond it heights are above some sea, and are brought to the start
+RELIEF_MAX = 100.0  # m from the start; more is no ground for a walker
 DEFAULT_CELL = 0.05  # m
-PICTURE_MODES = {"L": 255.0, "I;16": 65535.0}  # Pillow mode: level of white
+WINDOW = 25.0  # m around the start that is kept of a map with cells of more than ``CELL_MAX``
+WINDOW_CELL = 0.05  # m, what such a map is interpolated to
+NODATA_USUAL = (
+    -9999.0,
+    9999.0,
+    -99999.0,
+    -32768.0,
+    -32767.0,
+    32767.0,
+    65535.0,
+    -3.4028234663852886e38,
+)
 
-Heights = tuple[Array, float, tuple[float, float]]
+
+class FileGround(NamedTuple):
+    """What a height file came to."""
+
+    heights: Array  # (ny, nx) m, row of least y first
+    cell: float  # m
+    origin: tuple[float, float]  # x, y of the corner of cell [0, 0], m
+    note: str  # one line that says what was understood
 
 
-def read_heights(terrain: FileTerrain, base: Path | None) -> Heights:
-    """Heights, cell and origin of a height file. Raises ``GroundError``."""
+@dataclass(frozen=True, eq=False)
+class _Map:
+    """Heights on their way from a file to the walker."""
+
+    heights: Array
+    cell: tuple[float, float]
+    origin: tuple[float, float] | None = None
+    said: tuple[str, ...] = field(default=())
+
+    def saying(self, what: str) -> _Map:
+        """The same with one more thing to be told."""
+        return replace(self, said=(*self.said, what))
+
+
+def read_heights(
+    terrain: FileTerrain, base: Path | None, start: tuple[float, float] = (0.0, 0.0)
+) -> FileGround:
+    """Heights, cell, origin and a line about them, of a height file; raises ``GroundError``."""
     path = (base or Path()) / terrain.file
-    reader = _READERS.get(path.suffix.lower())
+    reader = READERS.get(path.suffix.lower())
     if reader is None:
         raise GroundError(
-            f"terrain file {terrain.file!r} must end in one of: {', '.join(sorted(_READERS))}"
+            f"terrain file {terrain.file!r} must end in one of: {', '.join(sorted(READERS))}"
         )
     if not is_file(path):
         raise GroundError(f"terrain file {terrain.file!r} does not exist, or is not a file")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            heights, cell, origin = reader(path)
+            raster = reader(path)
+            if raster.surface is not None:
+                raster = raster.surface(terrain.scale, _mesh_cell(terrain))
+        return _understood(terrain, raster, start)
     except GroundError as error:
         raise GroundError(f"terrain file {terrain.file!r}: {error}") from None
     # broken files raise whatever the decoders underneath happen to: struct, zlib, tokenize ...
@@ -67,69 +105,294 @@ def read_heights(terrain: FileTerrain, base: Path | None) -> Heights:
         raise GroundError(
             f"terrain file {terrain.file!r} cannot be read: {reason or type(error).__name__}"
         ) from None
-    try:
-        return _placed(terrain, heights * terrain.scale, cell, origin)
-    except GroundError as error:
-        raise GroundError(f"terrain file {terrain.file!r}: {error}") from None
 
 
-def _placed(
-    terrain: FileTerrain,
-    heights: Array,
-    own_cell: float | None,
-    own_origin: tuple[float, float] | None,
-) -> Heights:
-    _check_heights(heights, terrain.nan == "hole")
-    cell = (
-        terrain.cell
-        if terrain.cell is not None
-        else own_cell
-        if own_cell is not None
-        else DEFAULT_CELL
-    )
-    ny, nx = heights.shape
-    if terrain.origin is not None:
-        origin = (terrain.origin[0], terrain.origin[1])
-    else:
-        origin = own_origin or (-(nx // 2) * cell, -(ny // 2) * cell)
-    if terrain.smooth and cell > SMOOTH_CELL:
-        heights, cell = _smoothed(heights, cell)
-    return heights, cell, origin
+def _mesh_cell(terrain: FileTerrain) -> float:
+    if isinstance(terrain.cell, list):
+        return min(terrain.cell)
+    return min(terrain.cell or SMOOTH_CELL, CELL_MAX)
 
 
-def _check_heights(heights: Array, holes: bool) -> None:
-    """Refuse what is no ground, naming the first cell at fault as [row, column]."""
-    if heights.ndim != 2 or min(heights.shape) < 2:
+def _understood(terrain: FileTerrain, raster: Raster, start: tuple[float, float]) -> FileGround:
+    if raster.heights.ndim != 2 or min(raster.heights.shape) < 2:
         raise GroundError(
-            f"heights must be (ny, nx) with at least 2 x 2 cells, got shape {heights.shape}"
+            f"heights must be (ny, nx) with at least 2 x 2 cells, got shape {raster.heights.shape}"
         )
+    ny, nx = raster.heights.shape
+    found = _Map(_values(terrain, raster), _cell_of(terrain, raster), _own_origin(terrain, raster))
+    found = found.saying(f"{raster.what}, {nx} x {ny} of {_size(found.cell)}")
+    found = _stepped(_without_nodata(terrain, raster, found), terrain.step)
+    found = _cropped(_at(found, start, terrain.origin is not None), terrain.crop)
+    found = _thinned(_square(found, start))
+    heights = _brought_to_start(terrain, found, start)
+    _check_heights(heights.heights, terrain)
+    if terrain.smooth and heights.cell[0] > SMOOTH_CELL:
+        heights = _smoothed(heights)
+    if heights.origin is None:
+        raise AssertionError("a map is placed before it is cropped")
+    return FileGround(heights.heights, heights.cell[0], heights.origin, ", ".join(heights.said))
+
+
+def _size(cell: tuple[float, float]) -> str:
+    return f"{cell[0]:g} m" if cell[0] == cell[1] else f"{cell[0]:g} x {cell[1]:g} m"
+
+
+def _values(terrain: FileTerrain, raster: Raster) -> Array:
+    """Heights in the walker's directions: the row of least y first."""
+    heights = raster.heights
+    if terrain.flip in ("x", "xy"):
+        heights = heights[:, ::-1]
+    if terrain.flip in ("y", "xy"):
+        heights = heights[::-1]
+    return heights
+
+
+def _cell_of(terrain: FileTerrain, raster: Raster) -> tuple[float, float]:
+    """The size of a cell along x and y, m: the scenario's, else the file's own, else 0.05."""
+    if isinstance(terrain.cell, list):
+        return terrain.cell[0], terrain.cell[1]
+    if terrain.cell is not None:
+        return terrain.cell, terrain.cell
+    if raster.cell is None:
+        return DEFAULT_CELL, DEFAULT_CELL
+    if raster.in_degrees:
+        raise GroundError(
+            f"its cells are degrees of longitude and latitude ({raster.cell[0]:g} x "
+            f"{raster.cell[1]:g}): set cell in metres, such as cell = [x, y]"
+        )
+    if min(raster.cell) < CELL_MIN:
+        raise GroundError(
+            f"its cells are {_size(raster.cell)}; at least {CELL_MIN:g} m: set cell in metres"
+        )
+    return raster.cell
+
+
+def _own_origin(terrain: FileTerrain, raster: Raster) -> tuple[float, float] | None:
+    if terrain.origin is not None:
+        return terrain.origin[0], terrain.origin[1]
+    return raster.origin
+
+
+def _without_nodata(terrain: FileTerrain, raster: Raster, found: _Map) -> _Map:
+    """Heights that stand for nothing are NaN; they must be holes by the scenario's word."""
+    nothing = raster.nodata if terrain.nodata is None else (terrain.nodata,)
+    missing: Mask = np.zeros(found.heights.shape, dtype=np.bool_)
+    for value in nothing:
+        missing |= np.isclose(found.heights, value, rtol=1e-6, atol=0.0)
+    scale = 1.0 if raster.scaled else terrain.scale
+    heights = np.where(missing, np.nan, found.heights) * scale
+    if missing.any() and terrain.nan != "hole":
+        row, column = np.argwhere(missing)[0]
+        raise GroundError(
+            f"cell [{row}, {column}] has no height (NODATA {nothing[0]:g}; {int(missing.sum())} such); "
+            'set nan = "hole" if these are holes without a bottom'
+        )
+    _refuse_hidden_nodata(found.heights, missing)
+    said = (f"{int(missing.sum())} NODATA as holes",) if missing.any() else ()
+    return replace(found, heights=heights, said=(*found.said, *said))
+
+
+def _refuse_hidden_nodata(heights: Array, missing: Mask) -> None:
+    """A few cells of a usual NODATA value far from all others are no ground, whoever forgot to say."""
+    for value in NODATA_USUAL:
+        suspects = (heights == value) & ~missing
+        if not suspects.any() or suspects.all():
+            continue
+        others = heights[~suspects & np.isfinite(heights) & ~missing]
+        if others.size and np.abs(others - value).min() > 100.0:
+            row, column = np.argwhere(suspects)[0]
+            raise GroundError(
+                f"height of cell [{row}, {column}] is {value:g}: looks like NODATA "
+                f'({int(suspects.sum())} such); set nodata = {value:g} and nan = "hole"'
+            )
+
+
+def _stepped(found: _Map, step: int) -> _Map:
+    if step == 1:
+        return found
+    heights = found.heights[::step, ::step]
+    cell = found.cell[0] * step, found.cell[1] * step
+    return replace(found, heights=heights, cell=cell).saying(f"one cell in {step} taken")
+
+
+def _at(found: _Map, start: tuple[float, float], kept: bool) -> _Map:
+    """The map with a place: its own if that is ``kept`` or under the start, else its middle lies at
+    the origin.
+    """
+    if found.origin is not None and (kept or _holds(found, found.origin, start)):
+        return found
+    ny, nx = found.heights.shape
+    return replace(found, origin=(-(nx // 2) * found.cell[0], -(ny // 2) * found.cell[1]))
+
+
+def _holds(found: _Map, origin: tuple[float, float], at: tuple[float, float]) -> bool:
+    ny, nx = found.heights.shape
+    x, y = at[0] - origin[0], at[1] - origin[1]
+    return bool(0.0 <= x <= nx * found.cell[0] and 0.0 <= y <= ny * found.cell[1])
+
+
+def _cropped(found: _Map, crop: list[float] | None) -> _Map:
+    """Only x_min to x_max and y_min to y_max, m."""
+    if crop is None or found.origin is None:
+        return found
+    (ny, nx), (dx, dy) = found.heights.shape, found.cell
+    x_min, x_max, y_min, y_max = crop
+    first = max(0, math.floor((x_min - found.origin[0]) / dx + 1e-9))
+    last = min(nx, math.ceil((x_max - found.origin[0]) / dx - 1e-9))
+    bottom = max(0, math.floor((y_min - found.origin[1]) / dy + 1e-9))
+    top = min(ny, math.ceil((y_max - found.origin[1]) / dy - 1e-9))
+    if last - first < 2 or top - bottom < 2:
+        x, y = found.origin
+        raise GroundError(
+            f"crop {crop} leaves no ground: the map reaches from x {x:g} to {x + nx * dx:g}, "
+            f"y {y:g} to {y + ny * dy:g} m"
+        )
+    origin = found.origin[0] + first * dx, found.origin[1] + bottom * dy
+    cut = replace(found, heights=found.heights[bottom:top, first:last], origin=origin)
+    return cut.saying(f"{last - first} x {top - bottom} of them kept")
+
+
+def _square(found: _Map, start: tuple[float, float]) -> _Map:
+    """Square cells a walker can use: unequal ones interpolated, large ones around the start."""
+    dx, dy = found.cell
+    if max(dx, dy) > CELL_MAX:
+        return _window(found, start)
+    if abs(dx - dy) <= 1e-9 * max(dx, dy):
+        return found
+    cell = min(dx, dy)
+    ny, nx = found.heights.shape
+    counts = round(ny * dy / cell), round(nx * dx / cell)
+    if counts[0] * counts[1] > CELLS_MAX * 4:
+        raise GroundError(
+            f"square cells of {cell:g} m would be {counts[1]} x {counts[0]}: set step"
+        )
+    heights = _resampled(found, cell, counts, found.origin or (0.0, 0.0))
+    square = replace(found, heights=heights, cell=(cell, cell))
+    return square.saying(f"interpolated to square cells of {cell:g} m")
+
+
+def _window(found: _Map, start: tuple[float, float]) -> _Map:
+    """Ground at its true size around the start, interpolated between cells of many metres."""
+    origin = start[0] - WINDOW, start[1] - WINDOW
+    count = round(2 * WINDOW / WINDOW_CELL)
+    if found.origin is None or not _holds(found, found.origin, start):
+        raise GroundError(f"its cells are {_size(found.cell)}, and the start is not on the map")
+    heights = _resampled(found, WINDOW_CELL, (count, count), origin)
+    near = replace(found, heights=heights, cell=(WINDOW_CELL, WINDOW_CELL), origin=origin)
+    return near.saying(
+        f"{2 * WINDOW:g} x {2 * WINDOW:g} m around the start interpolated to {WINDOW_CELL:g} m"
+    )
+
+
+def _resampled(
+    found: _Map, cell: float, counts: tuple[int, int], origin: tuple[float, float]
+) -> Array:
+    own = found.origin or (0.0, 0.0)
+    y = origin[1] + (np.arange(counts[0]) + 0.5) * cell
+    x = origin[0] + (np.arange(counts[1]) + 0.5) * cell
+    rows = np.asarray((y - own[1]) / found.cell[1] - 0.5, dtype=np.float64)
+    columns = np.asarray((x - own[0]) / found.cell[0] - 0.5, dtype=np.float64)
+    return _between_holes(found.heights, rows, columns)
+
+
+def _thinned(found: _Map) -> _Map:
+    """At most ``CELLS_MAX`` cells, whatever the format."""
+    ny, nx = found.heights.shape
+    if ny * nx <= CELLS_MAX:
+        return found
+    step = math.ceil(math.sqrt(ny * nx / CELLS_MAX))
+    cell = found.cell[0] * step
+    if cell > CELL_MAX:
+        raise GroundError(
+            f"{nx} x {ny} cells of {_size(found.cell)}; at most {CELLS_MAX} of {CELL_MAX:g} m can be "
+            "walked on: set crop"
+        )
+    thin = replace(found, heights=found.heights[::step, ::step], cell=(cell, cell))
+    return thin.saying(f"thinned to one cell in {step} ({CELLS_MAX} at most)")
+
+
+def _brought_to_start(terrain: FileTerrain, found: _Map, start: tuple[float, float]) -> _Map:
+    """Heights from where the walker stands: what is taken off is the scenario's word, or the height
+    of the start where heights are above some sea."""
+    heights = found.heights
+    finite = np.isfinite(heights)
+    if not finite.any():
+        raise GroundError("every cell is a hole; there is no ground to stand on")
+    offset = terrain.offset
+    if offset is None:
+        if float(np.abs(heights[finite]).max()) <= HEIGHT_MAX:
+            return found
+        offset = "start"
+    if offset == "min":
+        taken = float(heights[finite].min())
+    elif offset == "start":
+        taken = _height_near(found, start)
+    else:
+        taken = float(offset)
+    return replace(found, heights=heights - taken).saying(f"{taken:g} m taken off")
+
+
+def _height_near(found: _Map, at: tuple[float, float]) -> float:
+    """The height of the cell that contains a place, or of the nearest one that has ground."""
+    rows, columns = np.nonzero(np.isfinite(found.heights))
+    origin = found.origin or (0.0, 0.0)
+    column = math.floor((at[0] - origin[0]) / found.cell[0])
+    row = math.floor((at[1] - origin[1]) / found.cell[1])
+    nearest = int(np.argmin((rows - row) ** 2 + (columns - column) ** 2))
+    return float(found.heights[rows[nearest], columns[nearest]])
+
+
+def _check_heights(heights: Array, terrain: FileTerrain) -> None:
+    """Refuse what is no ground, naming the first cell at fault as [row, column]."""
     for bad, says in (
         (np.isinf(heights), "is infinite"),
         (
-            np.isnan(heights) & (not holes),
+            np.isnan(heights) & (terrain.nan != "hole"),
             'is NaN; set nan = "hole" if it is a hole without a bottom',
         ),
-        (abs(heights) > HEIGHT_MAX, f"is more than {HEIGHT_MAX:g} m from 0"),
+        (
+            abs(heights) > RELIEF_MAX,
+            f"is more than {RELIEF_MAX:g} m from 0: set offset, nodata, scale or crop",
+        ),
     ):
         if bad.any():
             row, column = np.argwhere(bad)[0]
-            raise GroundError(f"height of cell [{row}, {column}] {says} ({int(bad.sum())} such)")
-    if np.isnan(heights).all():
-        raise GroundError("every cell is a hole; there is no ground to stand on")
+            raise GroundError(
+                f"height of cell [{row}, {column}] {says} "
+                f"({heights[row, column]:g}; {int(bad.sum())} such)"
+            )
 
 
-def _smoothed(heights: Array, cell: float) -> tuple[Array, float]:
-    """The same map in cells of at most 0.025 m, straight lines between the old cells' centres."""
-    if np.isnan(heights).any():
-        raise GroundError("smooth = true needs ground without holes")
+def _smoothed(found: _Map) -> _Map:
+    """The same map in cells of at most 0.025 m, straight lines between the old cells' centres; holes
+    stay holes."""
+    cell = found.cell[0]
     parts = math.ceil(cell / SMOOTH_CELL - 1e-9)
-    ny, nx = heights.shape
-    if ny * nx * parts * parts > PICTURE_CELLS_MAX:
+    ny, nx = found.heights.shape
+    if ny * nx * parts * parts > CELLS_MAX:
         raise GroundError(
-            f"smooth = true would make {ny * parts} x {nx * parts} cells; at most {PICTURE_CELLS_MAX}"
+            f"smooth = true would make {ny * parts} x {nx * parts} cells; at most {CELLS_MAX}: set crop"
         )
-    rows, columns = ((np.arange(n * parts) + 0.5) / parts - 0.5 for n in (ny, nx))
-    return _between(heights, rows, columns), cell / parts
+    rows = np.asarray((np.arange(ny * parts) + 0.5) / parts - 0.5, dtype=np.float64)
+    columns = np.asarray((np.arange(nx * parts) + 0.5) / parts - 0.5, dtype=np.float64)
+    heights = _between_holes(found.heights, rows, columns)
+    fine = replace(found, heights=heights, cell=(cell / parts, cell / parts))
+    return fine.saying(f"interpolated to {cell / parts:g} m")
+
+
+def _between_holes(grid: Array, rows: Array, columns: Array) -> Array:
+    """Bilinear interpolation between the cells that have ground; a place in a hole's cell is hole."""
+    holes = np.isnan(grid)
+    if not holes.any():
+        return _between(grid, rows, columns)
+    solid = _between(np.where(holes, 0.0, 1.0), rows, columns)
+    weighted = _between(np.where(holes, 0.0, grid), rows, columns)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        heights = weighted / solid
+    nearest_rows = np.clip(np.rint(rows), 0, grid.shape[0] - 1).astype(int)
+    nearest_columns = np.clip(np.rint(columns), 0, grid.shape[1] - 1).astype(int)
+    heights[holes[nearest_rows][:, nearest_columns]] = np.nan
+    return np.asarray(heights)
 
 
 def _between(grid: Array, rows: Array, columns: Array) -> Array:
@@ -137,110 +400,12 @@ def _between(grid: Array, rows: Array, columns: Array) -> Array:
     the edges.
     """
     r, c = np.clip(rows, 0, grid.shape[0] - 1), np.clip(columns, 0, grid.shape[1] - 1)
-    r0, c0 = (
-        np.minimum(r.astype(int), grid.shape[0] - 2),
-        np.minimum(c.astype(int), grid.shape[1] - 2),
-    )
+    r0 = np.minimum(r.astype(int), grid.shape[0] - 2)
+    c0 = np.minimum(c.astype(int), grid.shape[1] - 2)
     fr, fc = (r - r0)[:, np.newaxis], (c - c0)[np.newaxis, :]
     near = grid[r0][:, c0] * (1 - fc) + grid[r0][:, c0 + 1] * fc
     far = grid[r0 + 1][:, c0] * (1 - fc) + grid[r0 + 1][:, c0 + 1] * fc
     return np.asarray(near * (1 - fr) + far * fr)
-
-
-def _read_npy(path: Path) -> tuple[Array, float | None, tuple[float, float] | None]:
-    with path.open("rb") as file:
-        return _array(file, os.fstat(file.fileno()).st_size).astype(np.float64), None, None
-
-
-def _array(file: IO[bytes], size: int) -> Array:
-    """One .npy stream of ``size`` bytes: kind, shape and length are checked from its header before
-    data is read.
-    """
-    version = npy.read_magic(file)
-    read_header = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0}.get(
-        version
-    )
-    if read_header is None:
-        raise GroundError(f"unknown .npy version {version[0]}.{version[1]}")
-    shape, _, dtype = read_header(file, max_header_size=HEADER_MAX)
-    if dtype.hasobject or dtype.kind not in "fiu":
-        raise GroundError(f"numbers wanted, got {dtype}")
-    count = math.prod(shape)
-    if len(shape) > 2 or count > ARRAY_CELLS_MAX or any(n < 1 for n in shape):
-        raise GroundError(
-            f"heights must be (ny, nx) with at most {ARRAY_CELLS_MAX} cells, got shape {tuple(shape)}"
-        )
-    if size < file.tell() + count * dtype.itemsize:
-        raise GroundError(f"the file ends before its {count} numbers do")
-    file.seek(0)
-    return np.asarray(npy.read_array(file, allow_pickle=False, max_header_size=HEADER_MAX))
-
-
-def _read_npz(path: Path) -> tuple[Array, float | None, tuple[float, float] | None]:
-    with zipfile.ZipFile(path) as archive:
-        members = {info.filename: info for info in archive.infolist()}
-        if len(archive.infolist()) > MEMBERS_MAX:
-            raise GroundError(f"{len(archive.infolist())} members; at most {MEMBERS_MAX}")
-        if "heights.npy" not in members:
-            known = (
-                ", ".join(sorted(name.removesuffix(".npy")[:40] for name in members)) or "nothing"
-            )
-            raise GroundError(f"there is no 'heights' in it, only {known}")
-        heights = _member(archive, members["heights.npy"])
-        cell = _member(archive, members["cell.npy"]) if "cell.npy" in members else None
-        origin = _member(archive, members["origin.npy"]) if "origin.npy" in members else None
-    return heights.astype(np.float64), _checked_cell(cell), _checked_origin(origin)
-
-
-def _member(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> Array:
-    """One array of an archive; a member that says it is larger than any allowed map is not
-    unpacked.
-    """
-    if info.file_size > MEMBER_BYTES_MAX:
-        raise GroundError(
-            f"{info.filename!r} unpacks to {info.file_size} bytes; at most {MEMBER_BYTES_MAX}"
-        )
-    if info.flag_bits & 0x1:
-        raise GroundError(f"{info.filename!r} is encrypted")
-    with archive.open(info) as file:
-        return _array(file, info.file_size)
-
-
-def _checked_cell(cell: Any) -> float | None:
-    if cell is None:
-        return None
-    value = float(cell) if cell.size == 1 else math.nan
-    if not CELL_MIN <= value <= CELL_MAX:
-        raise GroundError(
-            f"cell must be one number between {CELL_MIN:g} and {CELL_MAX:g} m, got {cell!r:.60}"
-        )
-    return value
-
-
-def _checked_origin(origin: Any) -> tuple[float, float] | None:
-    if origin is None:
-        return None
-    values = [float(v) for v in origin.ravel()] if origin.size == 2 else []
-    if len(values) != 2 or not all(abs(v) <= 1000.0 for v in values):
-        raise GroundError(f"origin must be x and y within 1000 m, got {origin!r:.60}")
-    return values[0], values[1]
-
-
-def _read_png(path: Path) -> tuple[Array, float | None, tuple[float, float] | None]:
-    """Grey levels as parts of white; the size is checked before a pixel is decoded."""
-    with Image.open(path, formats=["PNG"]) as picture:
-        width, height = picture.size
-        if width * height > PICTURE_CELLS_MAX:
-            raise GroundError(f"{width} x {height} pixels; at most {PICTURE_CELLS_MAX}")
-        if picture.mode not in PICTURE_MODES:
-            raise GroundError(
-                f"a grey picture of 8 or 16 bits is wanted (mode {' or '.join(PICTURE_MODES)}), got mode {picture.mode}"
-            )
-        levels = np.asarray(picture, dtype=np.float64)
-        return levels / PICTURE_MODES[picture.mode], None, None
-
-
-_READERS = {".npy": _read_npy, ".npz": _read_npz, ".png": _read_png}
 
 
 @cache

@@ -24,6 +24,7 @@ SMOOTH_CELL = 0.025  # m: smooth ground is resampled to cells no larger than thi
 CELL_MIN, CELL_MAX = 0.005, 1.0  # m
 SEED_MAX = 2**63 - 1
 
+CellSize = Annotated[float, Field(ge=CELL_MIN, le=1000.0)]
 Metres = Annotated[float, Field(gt=0.0, le=100.0)]
 Degrees = Annotated[float, Field(ge=-360.0, le=360.0)]
 Place = Annotated[float, Field(ge=-1000.0, le=1000.0)]
@@ -485,29 +486,47 @@ class Dem(Generated):
 
 
 class FileTerrain(Terrain):
-    """Heights from a .npy, .npz (a run's own terrain.npz) or grey .png file; row index is y, column
-    index is x.
+    """Heights from a file: PNG, TIFF and GeoTIFF, ESRI ASCII grid (.asc), CSV matrix or point list,
+    .npy, .npz (a run's own terrain.npz), STL, PLY and OBJ.
+
+    Pictures and grids are north up: the first row is the largest y. Arrays (.npy, .npz) have the
+    row of least y first.
     """
 
     kind: Literal["file"]
     file: str = Field(
         min_length=1, max_length=500, description="path, relative to the scenario file"
     )
-    cell: float | None = Field(
-        default=None, ge=CELL_MIN, le=CELL_MAX, description="m; 0.05, or the .npz file's own"
+    cell: CellSize | Annotated[list[CellSize], Field(min_length=2, max_length=2)] | None = Field(
+        default=None, description="m, one number or [x, y]; the file's own, else 0.05"
     )
     scale: float = Field(
         default=1.0,
         ge=-1000.0,
         le=1000.0,
-        description="m for white in a picture, a factor otherwise",
+        description="m for white in a picture, a factor otherwise (of all three axes of a mesh)",
+    )
+    offset: Annotated[float, Field(ge=-1e5, le=1e5)] | Literal["min", "start"] | None = Field(
+        default=None,
+        description='m taken off every height; "min": the lowest, "start": that of the start; by itself where heights are more than 10 m from 0',
+    )
+    nodata: float | None = Field(
+        default=None, description="the height that stands for none; the file's own when not given"
+    )
+    flip: Literal["x", "y", "xy"] | None = Field(
+        default=None, description="mirror the map along an axis"
+    )
+    step: int = Field(default=1, ge=1, le=1000, description="take every so many cells")
+    crop: Annotated[list[Place], Field(min_length=4, max_length=4)] | None = Field(
+        default=None, description="keep only [x_min, x_max, y_min, y_max], m"
     )
     origin: Annotated[list[Place], Field(min_length=2, max_length=2)] | None = Field(
         default=None,
-        description="x, y of the corner of cell [0, 0]; the map's middle lies at the origin, or the .npz file's own",
+        description="x, y of the corner of the cell of least x and y; the map's middle lies at the origin, or the .npz file's own",
     )
     nan: Literal["hole"] | None = Field(
-        default=None, description='"hole": NaN is a hole without a bottom; refused otherwise'
+        default=None,
+        description='"hole": NaN and NODATA are holes without a bottom; refused otherwise',
     )
     smooth: bool = Field(default=False, description="interpolate to cells of at most 0.025 m")
     final: bool = Field(default=False, description="only the cell under the foot tip counts")

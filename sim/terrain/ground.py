@@ -49,6 +49,7 @@ class Ground(HeightGrid):
     kind: str = "flat"
     final: bool = False
     obstacles: tuple[Obstacle, ...] = ()
+    note: str = ""  # what was understood of a height file, one line
 
     def __post_init__(self) -> None:
         if self.heights.ndim != 2 or 0 in self.heights.shape:
@@ -101,8 +102,10 @@ def make_ground(
     """
     site_seed = seed if terrain.seed is None else terrain.seed
     if isinstance(terrain, FileTerrain):
-        heights, cell, origin = read_heights(terrain, base)
-        ground = Ground(heights, cell, origin, terrain.kind, terrain.final)
+        read = read_heights(terrain, base, (start[0], start[1]))
+        ground = Ground(
+            read.heights, read.cell, read.origin, terrain.kind, terrain.final, note=read.note
+        )
     elif isinstance(terrain, Generated):
         ground = _generated(terrain, machine, start, site_seed, _course(start, span), stand)
     else:

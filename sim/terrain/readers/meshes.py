@@ -1,0 +1,91 @@
+"""Triangle meshes: STL, PLY and OBJ, seen from above.
+
+The ground is the upper surface. A vertical riser covers no cell, so that none falls through it:
+every cell takes the highest triangle over its centre, and cells over which there is none take the
+lowest height of the mesh (the floor it stands on). trimesh reads the files; their materials and
+textures are not looked at.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..generators import Array, GroundError
+from .raster import Raster, check_size
+
+FILE_BYTES_MAX = 128_000_000
+TRIANGLES_MAX = 1_000_000
+UPRIGHT = 1e-9  # m²; a triangle with less area seen from above is upright
+TOUCHING = 1e-7  # of barycentric coordinates: a centre on an edge belongs to both triangles
+BATCH = 4096  # triangles between two looks at the size
+
+
+def read_mesh(path: Path) -> Raster:
+    """The triangles of a mesh; heights come from ``surface`` once scale and cell are known."""
+    if path.stat().st_size > FILE_BYTES_MAX:
+        raise GroundError(f"{path.stat().st_size} bytes; at most {FILE_BYTES_MAX}")
+    triangles = _triangles(path)
+    low, high = triangles.reshape(-1, 3).min(axis=0), triangles.reshape(-1, 3).max(axis=0)
+    if not (np.isfinite(low).all() and np.isfinite(high).all()):
+        raise GroundError("a corner of the mesh is no number")
+    if min(high[0] - low[0], high[1] - low[1]) <= 0.0:
+        raise GroundError("seen from above the mesh has no area")
+    corners = np.array([[low[2], low[2]], [low[2], low[2]]])
+    what = f"mesh of {len(triangles)} triangles, {high[0] - low[0]:g} x {high[1] - low[1]:g}"
+    return Raster(corners, what, surface=partial(_rasterised, triangles, what))
+
+
+def _triangles(path: Path) -> Array:
+    import trimesh
+
+    kind = path.suffix.lower().removeprefix(".")
+    loaded: Any = trimesh.load(
+        path, file_type=kind, force="mesh", process=False, skip_materials=True
+    )
+    triangles = np.asarray(getattr(loaded, "triangles", np.zeros((0, 3, 3))), dtype=np.float64)
+    if not len(triangles):
+        raise GroundError("there are no triangles in it")
+    if len(triangles) > TRIANGLES_MAX:
+        raise GroundError(f"{len(triangles)} triangles; at most {TRIANGLES_MAX}")
+    return triangles
+
+
+def _rasterised(triangles: Array, what: str, scale: float, cell: float) -> Raster:
+    """The upper surface in square cells; rows and columns begin at the mesh's least x and y."""
+    scaled = triangles * scale
+    low = scaled.reshape(-1, 3).min(axis=0)
+    high = scaled.reshape(-1, 3).max(axis=0)
+    nx = max(2, math.ceil((high[0] - low[0]) / cell - 1e-9))
+    ny = max(2, math.ceil((high[1] - low[1]) / cell - 1e-9))
+    check_size(ny, nx)
+    heights = np.full((ny, nx), -np.inf)
+    for triangle in scaled:
+        _lay(heights, triangle - (low[0], low[1], 0.0), cell)
+    heights[np.isinf(heights)] = low[2]
+    return Raster(heights, what, (cell, cell), (float(low[0]), float(low[1])), scaled=True)
+
+
+def _lay(heights: Array, triangle: Array, cell: float) -> None:
+    """Raise the cells whose centre lies under a triangle to its height there."""
+    (ax, ay, az), (bx, by, bz), (cx, cy, cz) = triangle
+    area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
+    if abs(area) < UPRIGHT:
+        return
+    ny, nx = heights.shape
+    c0 = max(0, math.floor(min(ax, bx, cx) / cell - 0.5))
+    c1 = min(nx, math.ceil(max(ax, bx, cx) / cell + 0.5))
+    r0 = max(0, math.floor(min(ay, by, cy) / cell - 0.5))
+    r1 = min(ny, math.ceil(max(ay, by, cy) / cell + 0.5))
+    x = ((np.arange(c0, c1) + 0.5) * cell)[np.newaxis, :]
+    y = ((np.arange(r0, r1) + 0.5) * cell)[:, np.newaxis]
+    u = ((by - cy) * (x - cx) + (cx - bx) * (y - cy)) / area
+    v = ((cy - ay) * (x - cx) + (ax - cx) * (y - cy)) / area
+    w = 1.0 - u - v
+    inside = (u >= -TOUCHING) & (v >= -TOUCHING) & (w >= -TOUCHING)
+    window = heights[r0:r1, c0:c1]
+    np.maximum(window, np.where(inside, u * az + v * bz + w * cz, -np.inf), out=window)

@@ -1,0 +1,83 @@
+"""Pictures: PNG of any mode whose channels are equal; the levels are parts of white.
+
+The first row of a picture is its top, and that is north: the largest y. The size is checked before
+a pixel is decoded. Pillow cuts 16-bit colour to 8 bits without a word, so that such files are read
+by pypng.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import png
+from PIL import Image
+
+from ..generators import Array, GroundError
+from .raster import Raster, check_size
+
+GREY_MODES = {"1": 1.0, "L": 255.0, "I;16": 65535.0, "I": 65535.0}  # Pillow mode: level of white
+
+
+def read_png(path: Path) -> Raster:
+    """Grey levels as parts of white (0 to 1), north up; see-through pixels are NaN."""
+    with Image.open(path, formats=["PNG"]) as picture:
+        width, height = picture.size
+        check_size(height, width)
+        mode = str(picture.mode)
+        deep = _bits(path) == 16
+        if deep and mode not in GREY_MODES:
+            levels, what = _deep_colour(path), "16-bit picture"
+        elif mode in GREY_MODES:
+            levels = np.asarray(picture, dtype=np.float64) / GREY_MODES[mode]
+            what = f"{16 if deep else 8}-bit grey picture"
+        else:
+            levels, what = _colour(picture, mode), f"8-bit picture of mode {mode}"
+    return Raster(levels[::-1], what)
+
+
+def _bits(path: Path) -> int:
+    """Bits a channel, from the header of the file (PNG specification, 11.2.2)."""
+    with path.open("rb") as file:
+        header = file.read(25)
+    return header[24] if len(header) == 25 else 0
+
+
+def _colour(picture: Image.Image, mode: str) -> Array:
+    """A colour or palette picture whose red, green and blue are equal everywhere."""
+    clear = "A" in mode or "transparency" in picture.info
+    wanted = picture.convert("RGBA" if clear else "RGB")
+    return _one_level(np.asarray(wanted, dtype=np.float64) / 255.0, clear)
+
+
+def _deep_colour(path: Path) -> Array:
+    """A picture of 16 bits a channel with more channels than one."""
+    with path.open("rb") as file:
+        width, height, rows, info = png.Reader(file=file).asDirect()
+        values = np.vstack([np.asarray(row, dtype=np.float64) for row in rows])
+    planes = int(info["planes"])
+    channels: Array = values.reshape(height, width, planes) / float(2 ** int(info["bitdepth"]) - 1)
+    clear = bool(info["alpha"])
+    if planes - clear == 1:
+        channels = np.concatenate([channels[..., :1]] * 3 + [channels[..., 1:]], axis=-1)
+    return _one_level(channels, clear)
+
+
+def _one_level(channels: Any, clear: bool) -> Array:
+    """One level from equal channels (ny, nx, 3 or 4); a pixel one sees through is NaN."""
+    red, green, blue = channels[..., 0], channels[..., 1], channels[..., 2]
+    unequal = (red != green) | (red != blue)
+    if clear:
+        unequal &= channels[..., 3] > 0.0
+    if unequal.any():
+        row, column = np.argwhere(unequal)[0]
+        raise GroundError(
+            "a picture whose channels are equal (grey) is wanted; this one is coloured: pixel "
+            f"[{row}, {column}] is red {red[row, column]:.3f}, green {green[row, column]:.3f}, "
+            f"blue {blue[row, column]:.3f} ({int(unequal.sum())} such)"
+        )
+    levels = np.array(red, dtype=np.float64)
+    if clear:
+        levels[channels[..., 3] == 0.0] = np.nan
+    return levels
