@@ -90,6 +90,11 @@ TABLE = {
         f"walking_console.sim {SIM_SEES} numpy pydantic pydantic_core PIL",
         "walking_console.server walking_console.web asyncio random",
     ),
+    # Formats of other people are read by other people's libraries.
+    "walking_console.sim.terrain.readers": rule(
+        f"walking_console.sim {SIM_SEES} numpy PIL png tifffile trimesh",
+        "walking_console.server walking_console.web asyncio random",
+    ),
     "walking_console.sim.kinematic.contact": rule(
         f"walking_console.sim {SIM_SEES} numpy pymunk",
         "walking_console.server walking_console.web asyncio random",
@@ -124,6 +129,9 @@ ONLY_IN = {
     "pymunk": ("walking_console.sim.kinematic.contact",),
     "mujoco": ("walking_console.sim.mujoco",),
     "viser": ("walking_console.web.scene", "walking_console.server.viser_bridge"),
+    "png": ("walking_console.sim.terrain.readers",),
+    "tifffile": ("walking_console.sim.terrain.readers",),
+    "trimesh": ("walking_console.sim.terrain.readers",),
     "matplotlib": ("walking_console.web.figures",),
 }
 
