@@ -463,7 +463,7 @@ def test_an_array_either_is_ground_or_is_refused_in_one_line(
         (np.zeros((6001, 6000), dtype=np.int8), "at most 36000000 cells"),
         (np.array([[0.0, 0.0], [np.inf, 0.0]]), r"cell \[1, 0\] is infinite"),
         (np.array([[0.0, np.nan], [0.0, 0.0]]), r"cell \[0, 1\] is NaN"),
-        (np.array([[0.0, 0.0], [0.0, 100.5]]), r"cell \[1, 1\] is more than 100 m"),
+        (np.array([[0.0, 250.0], [0.0, 0.0]]), r"cell \[0, 1\] is more than 100 m"),
         (np.array([["a", "b"], ["c", "d"]]), "numbers wanted"),
         (np.zeros((3, 3), dtype=complex), "numbers wanted"),
         (np.zeros((3, 3), dtype=bool), "numbers wanted"),
