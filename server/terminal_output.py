@@ -76,6 +76,7 @@ def _results(summary: dict[str, Any], directory: Path) -> Iterator[tuple[str, st
     yield "steps", steps.format(**summary)
     yield "least margin", "none" if margin is None else f"{margin * 1000:.1f} mm longitudinal"
     yield "emergent", ", ".join(emergent) or "none"
+    yield "ground", summary["ground"]
     yield "state hash", summary["state_hash"]
     yield "written to", str(directory)
 
