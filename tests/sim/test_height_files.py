@@ -93,7 +93,7 @@ def test_heights_above_the_sea_are_brought_to_the_start_and_that_is_told() -> No
     assert lowest.heights.min() == 0.0
     by_hand = of_fixture("heights-above-the-sea", "terrain.offset=437.2")
     raw = np.load(FIXTURES / "heights-above-the-sea" / "ground.npy")
-    np.testing.assert_allclose(by_hand.heights, raw - 437.2)
+    np.testing.assert_allclose(by_hand.heights, raw.astype(np.float64) - 437.2)
 
 
 def test_holes_and_smoothing_go_together() -> None:
