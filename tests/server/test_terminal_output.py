@@ -12,7 +12,7 @@ from walking_console.server.terminal_output import print_list, print_summary, pr
 SUMMARY: dict[str, Any] = {
     "result": "completed", "reason": "time", "seconds": 4.0, "ticks": 200, "distance": 0.25,
     "mean_speed": 0.0625, "steps": 7, "forbidden_steps": 0, "falls": 0, "margin_min": 0.0123,
-    "emergent": {"early": 2}, "state_hash": "00ff",
+    "emergent": {"early": 2}, "ground": "mesh of 60 triangles", "state_hash": "00ff",
     "expect": {"distance_min": {"wanted": 1.0, "got": 0.25, "pass": False}},
 }  # fmt: skip
 
@@ -24,7 +24,13 @@ def test_one_screen_has_result_figures_and_every_expectation(
     shown = capsys.readouterr().out
     for told in ("completed (time)", "4.00 s, 200 ticks", "0.250 m, mean speed 0.0625 m/s"):
         assert told in shown
-    for told in ("7, forbidden 0, falls 0", "12.3 mm", "early 2", "runs/flat-0001"):
+    for told in (
+        "7, forbidden 0, falls 0",
+        "12.3 mm",
+        "early 2",
+        "mesh of 60 triangles",
+        "runs/flat-0001",
+    ):
         assert told in shown
     assert "FAIL: wanted 1, got 0.25" in shown
 
