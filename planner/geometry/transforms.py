@@ -10,6 +10,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
+import numpy as np
+from numpy.typing import NDArray
+
 XY = tuple[float, float]
 Point = tuple[float, float, float]
 Pose = tuple[float, float, float]  # x m, y m, yaw rad
@@ -20,6 +23,11 @@ Matrix = tuple[Point, Point, Point]  # rows of a rotation matrix
 def direction(angle: float) -> XY:
     """Cosine and sine of an angle: the unit vector that points along it."""
     return math.cos(angle), math.sin(angle)
+
+
+def directions(angles: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Cosines and sines of angles of any shape, for many at once."""
+    return np.cos(angles), np.sin(angles)
 
 
 def turned(x: float, y: float, angle: float) -> XY:

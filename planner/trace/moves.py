@@ -9,14 +9,19 @@ from __future__ import annotations
 import math
 from collections.abc import Generator, Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from ..geometry.transforms import Body
 from ..types import Point
-from .reachability import AIR, Feet, Field, first_bit, span
-from .state_search import Path
+from .footholds import AIR, Footing
+from .reachability import Reachability
+from .samples import SampleGrid, first_bit, span
+from .state_search import StatePath
 
 TOGETHER = 3  # legs at most in the air at once by choice, K: k = 1, 2, 3
 MOVES_PAUSE = 4  # moves between two yields
+BEHIND_COST = 10  # samples off the target that one sample backwards counts for
+ROW_COST = 4  # samples off the target that a row beside the trace counts for
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,246 +42,257 @@ class Move:
     segments: tuple[tuple[float, float] | None, ...]
 
 
-class _Node:
+class _Node(NamedTuple):
     """A state of the path and the samples it may be used in."""
 
-    __slots__ = ("feet", "place")
+    feet: Footing
+    part: int
 
-    def __init__(self, feet: Feet, place: int) -> None:
-        self.feet, self.place = feet, place
+
+class _Change(NamedTuple):
+    """From one state to another: samples at which its legs may be lifted, and at which they may be
+    down again.
+    """
+
+    before: _Node
+    lifting: int
+    placing: int
+    after: _Node
+
+
+class _Timed(NamedTuple):
+    """A change with the samples of the body at its start, at the lift and at the landing."""
+
+    change: _Change
+    start: int
+    lift: int
+    land: int
 
 
 def moves_along(
-    field: Field, path: Path, offset: float, step: float, together: int = 2 * TOGETHER
+    reachable: Reachability,
+    path: StatePath,
+    offset: float,
+    step: float,
+    together: int = 2 * TOGETHER,
 ) -> Generator[None, None, tuple[Move, ...]]:
-    """The path of states as moves; ``offset`` is s at the field's first sample, ``together`` how
-    many states one move may span.
+    """The path of states as moves; ``offset`` is s at the first sample and ``step`` from one to the
+    next, m; ``together`` how many states one move may span.
 
-    Yields move by move, so that a caller may spread it over ticks.
+    Yields move by move, so that a caller may spread it over ticks. Raises ``RuntimeError`` for
+    states that do not overlap.
     """
     if not path.states:
         return ()
+    samples = reachable.samples
     nodes = [
-        _Node(state.feet, field.place(field.valid(state.feet), state.at)) for state in path.states
+        _Node(state.feet, samples.unbroken(reachable.valid(state.feet), state.at))
+        for state in path.states
     ]
     yield
-    merged = yield from _merge(field, nodes, together)
-    chosen = _samples(field, merged, path)
+    changes = yield from _merged(reachable, nodes, together)
+    timed = _timed(samples, changes, path)
     yield
-    at = chosen[-1][4] if chosen else path.states[0].at
-    end = _pick(field, nodes[-1].place, at % field.width, path.farthest)
+    at = timed[-1].land if timed else path.states[0].at
+    end = _pick(samples, nodes[-1].part, at % samples.width, path.farthest)
+    space = _Space(reachable, offset, step)
     moves: list[Move] = []
-    for found in chosen:
-        moves += _in_space(field, found, offset, step)
+    for found in timed:
+        moves += space.moves(found)
         if len(moves) % MOVES_PAUSE == 0:
             yield
-    if end % field.width > at % field.width:
-        moves.append(_shift(field, nodes[-1], at, end, offset, step))
+    if end % samples.width > at % samples.width:
+        moves.append(space.shift(nodes[-1], at, end))
     return tuple(moves)
 
 
-def _merge(
-    field: Field, nodes: list[_Node], together: int
-) -> Generator[None, None, list[tuple[_Node, int, int, _Node]]]:
+def _merged(
+    reachable: Reachability, nodes: list[_Node], together: int
+) -> Generator[None, None, list[_Change]]:
     """Skip states that can be passed over: from each on to the farthest of the next few reachable
     in one move.
     """
-    moves: list[tuple[_Node, int, int, _Node]] = []
+    changes: list[_Change] = []
     k = 0
     while k < len(nodes) - 1:
         best = None
-        if len(moves) % MOVES_PAUSE == MOVES_PAUSE - 1:
+        if len(changes) % MOVES_PAUSE == MOVES_PAUSE - 1:
             yield
         for j in range(k + 1, min(k + together + 1, len(nodes))):
-            windows = _windows(field, nodes[k], nodes[j])
-            if windows is not None:
-                best = j, windows
+            change = _change(reachable, nodes[k], nodes[j])
+            if change is not None:
+                best = j, change
         if best is None:
             raise RuntimeError(f"states {k} and {k + 1} of the path do not overlap")
-        j, (lifting, placing) = best
-        moves.append((nodes[k], lifting, placing, nodes[j]))
-        k = j
-    return moves
+        k, change = best
+        changes.append(change)
+    return changes
 
 
-def _windows(field: Field, a: _Node, b: _Node) -> tuple[int, int] | None:
-    """Samples at which the legs that differ may be lifted, and those at which they may be down
-    again.
-    """
-    changed = [leg for leg, (f, g) in enumerate(zip(a.feet, b.feet, strict=True)) if f != g]
-    if len(changed) > TOGETHER:
+def _change(reachable: Reachability, a: _Node, b: _Node) -> _Change | None:
+    """The change from one state to another in one move, None where it cannot be."""
+    if len(_differing(a.feet, b.feet)) > TOGETHER:
         return None
-    carried = field.between(a.feet, b.feet)
-    lifting, placing = a.place & carried, b.place & carried
+    carried = reachable.between(a.feet, b.feet)
+    lifting = a.part & carried
+    placing = b.part & carried
     while lifting and placing:
-        whole = field.place(carried, first_bit(lifting))
+        whole = reachable.samples.unbroken(carried, first_bit(lifting))
         if placing & whole:
-            return lifting & whole, placing & whole
+            return _Change(a, lifting & whole, placing & whole, b)
         lifting &= ~whole
     return None
 
 
-def _samples(
-    field: Field, moves: list[tuple[_Node, int, int, _Node]], path: Path
-) -> list[tuple[_Node, _Node, int, int, int]]:
+def _differing(feet: Footing, after: Footing) -> tuple[int, ...]:
+    """Legs that change."""
+    pairs = zip(feet, after, strict=True)
+    return tuple(leg for leg, (f, g) in enumerate(pairs) if f != g)
+
+
+def _timed(samples: SampleGrid, changes: list[_Change], path: StatePath) -> list[_Timed]:
     """Where the body is at each lift and each landing: onward at an even pace as far as the windows
     allow.
     """
-    top = field.count - 1
-    latest, bound = [0] * len(moves), top
-    for n in range(len(moves) - 1, -1, -1):
-        _, lifting, placing, _ = moves[n]
-        latest[n] = _highest(field, placing, bound)
-        bound = _highest(field, lifting, latest[n])
-    out, at = [], path.states[0].at
-    for n, (a, lifting, placing, b) in enumerate(moves):
-        k = at % field.width
-        lift = _pick(field, lifting, k, k)
-        even = k + max(latest[-1] - k, 0) / (len(moves) - n)
-        land = _pick(field, placing, lift % field.width, min(even, latest[n]))
-        out.append((a, b, at, lift, land))
+    latest = [0] * len(changes)
+    bound = samples.count - 1
+    for n in range(len(changes) - 1, -1, -1):
+        latest[n] = _highest(samples, changes[n].placing, bound)
+        bound = _highest(samples, changes[n].lifting, latest[n])
+    timed = []
+    at = path.states[0].at
+    for n, change in enumerate(changes):
+        k = at % samples.width
+        lift = _pick(samples, change.lifting, k, k)
+        even = k + max(latest[-1] - k, 0) / (len(changes) - n)
+        land = _pick(samples, change.placing, lift % samples.width, min(even, latest[n]))
+        timed.append(_Timed(change, at, lift, land))
         at = land
-    return out
+    return timed
 
 
-def _highest(field: Field, mask: int, bound: int) -> int:
+def _highest(samples: SampleGrid, mask: int, bound: int) -> int:
     """The last sample of the trace up to ``bound`` in any row of the mask, else its first beyond."""
-    best, least = -1, field.count
-    row_mask = (1 << field.width) - 1
-    for r in range(field.rows):
-        row = mask >> (r * field.width) & row_mask
+    best = -1
+    least = samples.count
+    for r in range(samples.rows):
+        row = samples.row_of(mask, r)
         if row:
             below = row & span(0, bound)
             best = max(best, below.bit_length() - 1)
-            least = min(least, (row & -row).bit_length() - 1)
+            least = min(least, first_bit(row))
     return best if best >= 0 else least
 
 
-def _pick(field: Field, mask: int, low: int, target: float) -> int:
+def _pick(samples: SampleGrid, mask: int, low: int, target: float) -> int:
     """The sample of the mask nearest to ``target``, never behind ``low`` if that can be, near the
     trace.
     """
-    best, least = -1, math.inf
-    row_mask = (1 << field.width) - 1
+    best = -1
+    least = math.inf
     aim = int(target)
-    for r in range(field.rows):
-        row = mask >> (r * field.width) & row_mask
-        if not row:
-            continue
+    for r in range(samples.rows):
+        row = samples.row_of(mask, r)
         candidates = []
-        below, above = row & span(0, aim), row >> (aim + 1)
-        if below:
+        if below := row & span(0, aim):
             candidates.append(below.bit_length() - 1)
-        if above:
-            candidates.append(aim + (above & -above).bit_length())
+        if above := row >> (aim + 1):
+            candidates.append(aim + 1 + first_bit(above))
         for k in candidates:
-            cost = abs(k - aim) + (10 * (low - k) if k < low else 0) + 4 * ((r + 1) // 2)
+            behind = BEHIND_COST * (low - k) if k < low else 0
+            cost = abs(k - aim) + behind + ROW_COST * ((r + 1) // 2)
             if cost < least:
-                best, least = r * field.width + k, cost
+                best = r * samples.width + k
+                least = cost
     return best
 
 
-# where that is
+class _Space:
+    """States and samples as points and poses of the absolute frame."""
 
+    def __init__(self, reachable: Reachability, offset: float, step: float) -> None:
+        self.reachable = reachable
+        self.offset = offset  # s at the first sample, m
+        self.step = step  # m of s between samples
 
-def _in_space(
-    field: Field, move: tuple[_Node, _Node, int, int, int], offset: float, step: float
-) -> Iterator[Move]:
-    """A move of legs; with a leg waiting in the air, the body's way there is a move of its own
-    (nothing else lifts in it).
-    """
-    a, b, start, lift, land = move
-    shift = tuple(_pose(field, sample) for sample in _way(field, a.place, start, lift))
-    if AIR in a.feet and start != lift:
-        yield _shift(field, a, start, lift, offset, step)
-        shift = shift[-1:]
-    legs = tuple(leg for leg, (f, g) in enumerate(zip(a.feet, b.feet, strict=True)) if f != g)
-    way = _way(field, field.between(a.feet, b.feet), lift, land)
-    rising = lowering = field.everywhere
-    for leg in legs:
-        if a.feet[leg] >= 0:
-            rising &= field.reach[a.feet[leg]]
-        if b.feet[leg] >= 0:
-            lowering &= field.reach[b.feet[leg]]
-    up = 0
-    while up + 1 < len(way) and rising >> way[up + 1] & 1:
-        up += 1
-    down = len(way) - 1
-    while down > 0 and lowering >> way[down - 1] & 1:
-        down -= 1
-    poses = [_pose(field, sample) for sample in way]
-    before, after = _points(field, a.feet), _points(field, b.feet)
-    yield Move(
-        legs, before, after,
-        shift=shift,
-        rise=tuple(poses[: up + 1]), carry=tuple(poses), lower=tuple(poses[down:]),
-        course=offset + land % field.width * step,
-        segments=tuple(_segment(field, f, land, offset, step) for f in b.feet),
-    )  # fmt: skip
-
-
-def _shift(field: Field, node: _Node, start: int, end: int, offset: float, step: float) -> Move:
-    """The body alone moves on, every foot staying as it is."""
-    feet = _points(field, node.feet)
-    way = tuple(_pose(field, sample) for sample in _way(field, node.place, start, end))
-    segments = tuple(_segment(field, f, end, offset, step) for f in node.feet)
-    return Move(
-        (), feet, feet, way[:1], way[:1], way, way[-1:], offset + end % field.width * step, segments
-    )
-
-
-def _points(field: Field, feet: Feet) -> tuple[Point | None, ...]:
-    return tuple(
-        None if f < 0 else (field.holds[f].x, field.holds[f].y, field.holds[f].z) for f in feet
-    )
-
-
-def _segment(
-    field: Field, f: int, sample: int, offset: float, step: float
-) -> tuple[float, float] | None:
-    if f < 0:
-        return None
-    run = field.place(field.reach[f], sample) if field.rows == 1 else field.reach[f]
-    first, last = (run & -run).bit_length() - 1, field.farthest(run)
-    return offset + first % field.width * step, offset + last * step
-
-
-def _way(field: Field, mask: int, start: int, end: int) -> list[int]:
-    """Samples the body passes from start to end inside the mask: along a row, and across rows where
-    it must.
-    """
-    if start == end:
-        return [start]
-    width = field.width
-    if start // width == end // width:
-        between = list(range(start, end + 1)) if end > start else list(range(start, end - 1, -1))
-        if all(mask >> sample & 1 for sample in between):
-            return between
-    came: dict[int, int] = {start: start}
-    edge = [start]
-    while edge and end not in came:
-        nxt = []
-        for sample in edge:
-            for other in (
-                sample + 1,
-                sample - 1,
-                *(sample + r * width for r in range(1 - field.rows, field.rows) if r),
-            ):
-                if other >= 0 and other not in came and mask >> other & 1:
-                    came[other] = sample
-                    nxt.append(other)
-        edge = nxt
-    if end not in came:
-        raise RuntimeError(
-            f"no way for the body from sample {start} to {end}: the states do not overlap"
+    def moves(self, timed: _Timed) -> Iterator[Move]:
+        """A move of legs; with a leg waiting in the air, the body's way there is a move of its own
+        (nothing else lifts in it).
+        """
+        samples = self.reachable.samples
+        before, _, _, after = timed.change
+        shift = self._poses(samples.way(before.part, timed.start, timed.lift))
+        if AIR in before.feet and timed.start != timed.lift:
+            yield self.shift(before, timed.start, timed.lift)
+            shift = shift[-1:]
+        way = samples.way(self.reachable.between(*_feet(timed.change)), timed.lift, timed.land)
+        up, down = self._raised_and_lowered(timed.change, way)
+        poses = self._poses(way)
+        yield Move(
+            _differing(before.feet, after.feet),
+            self._points(before.feet),
+            self._points(after.feet),
+            shift=shift,
+            rise=poses[: up + 1],
+            carry=poses,
+            lower=poses[down:],
+            course=self._course(timed.land),
+            segments=self._segments(after.feet, timed.land),
         )
-    way = [end]
-    while way[-1] != start:
-        way.append(came[way[-1]])
-    return way[::-1]
+
+    def shift(self, node: _Node, start: int, end: int) -> Move:
+        """The body alone moves on, every foot staying as it is."""
+        feet = self._points(node.feet)
+        way = self._poses(self.reachable.samples.way(node.part, start, end))
+        segments = self._segments(node.feet, end)
+        return Move((), feet, feet, way[:1], way[:1], way, way[-1:], self._course(end), segments)
+
+    def _raised_and_lowered(self, change: _Change, way: list[int]) -> tuple[int, int]:
+        """How far along the way the feet lifted are still in reach of where they stood, and from
+        where on they are in reach of where they will stand.
+        """
+        existence = self.reachable.existence
+        rising = lowering = self.reachable.clearance.torso_room
+        for f, g in zip(*_feet(change), strict=True):
+            if f != g and f >= 0:
+                rising &= existence[f]
+            if f != g and g >= 0:
+                lowering &= existence[g]
+        up = 0
+        while up + 1 < len(way) and rising >> way[up + 1] & 1:
+            up += 1
+        down = len(way) - 1
+        while down > 0 and lowering >> way[down - 1] & 1:
+            down -= 1
+        return up, down
+
+    def _points(self, feet: Footing) -> tuple[Point | None, ...]:
+        holds = self.reachable.footholds
+        return tuple(None if f < 0 else (holds[f].x, holds[f].y, holds[f].z) for f in feet)
+
+    def _poses(self, way: list[int]) -> tuple[Body, ...]:
+        lane = self.reachable.lane
+        poses = []
+        for sample in way:
+            r, k = divmod(sample, self.reachable.samples.width)
+            pose = float(lane.x[r, k]), float(lane.y[r, k]), float(lane.z[k]), float(lane.yaw[k])
+            poses.append(pose)
+        return tuple(poses)
+
+    def _course(self, sample: int) -> float:
+        return self.offset + sample % self.reachable.samples.width * self.step
+
+    def _segments(self, feet: Footing, sample: int) -> tuple[tuple[float, float] | None, ...]:
+        return tuple(None if f < 0 else self._segment(f, sample) for f in feet)
+
+    def _segment(self, f: int, sample: int) -> tuple[float, float]:
+        """The existence segment of a foothold around a sample, in m of s."""
+        samples = self.reachable.samples
+        run = self.reachable.existence[f]
+        if samples.rows == 1:
+            run = samples.unbroken(run, sample)
+        return self._course(first_bit(run)), self.offset + samples.farthest(run) * self.step
 
 
-def _pose(field: Field, sample: int) -> Body:
-    r, k = divmod(sample, field.width)
-    lane = field.lane
-    return float(lane.x[r, k]), float(lane.y[r, k]), float(lane.z[k]), float(lane.yaw[k])
+def _feet(change: _Change) -> tuple[Footing, Footing]:
+    return change.before.feet, change.after.feet

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from ..geometry.paths import SampledPath, arc_of_command
+from ..geometry.transforms import Pose, direction, directions
 from ..robot.model import Machine
 from ..types import Array
 
@@ -25,8 +26,7 @@ JOYSTICK_AHEAD = 4.0  # m of s a joystick's trace reaches ahead of the machine
 LENGTH_MAX = 2000.0  # m of s; a longer trace takes seconds to draw and to look along
 KINDS = ("waypoints", "line", "circle", "sine", "spiral", "turn", "sideways")
 YAWS = ("tangent", "fixed")
-
-Start = tuple[float, float, float]  # x, y, yaw
+SPLINE_YAW_LENGTH = 0.5  # m/rad, only spreads the parameter of the spline through waypoints
 
 
 class TraceError(ValueError):
@@ -46,7 +46,7 @@ def resample(x: Array, y: Array, yaw: Array, yaw_length: float, step: float = ST
 
 
 def trace_from(
-    spec: Mapping[str, Any], yaw_length: float, start: Start = (0.0, 0.0, 0.0), step: float = STEP
+    spec: Mapping[str, Any], yaw_length: float, start: Pose = (0.0, 0.0, 0.0), step: float = STEP
 ) -> SampledPath:
     """A scenario's ``[trace]`` as a sampled course that begins at ``start``; raises ``TraceError``.
 
@@ -64,7 +64,7 @@ def trace_from(
         raise TraceError(f"unknown trace yaw {mode!r}; there are: {', '.join(YAWS)}")
     x, y, yaw = _DRAW[kind](spec, mode)
     x0, y0, yaw0 = start
-    c, d = math.cos(yaw0), math.sin(yaw0)
+    c, d = direction(yaw0)
     return resample(x0 + c * x - d * y, y0 + d * x + c * y, yaw + yaw0, yaw_length, step)
 
 
@@ -74,14 +74,14 @@ def step_for(machine: Machine) -> float:
 
 
 def trace_for(
-    spec: Mapping[str, Any], machine: Machine, start: Start = (0.0, 0.0, 0.0)
+    spec: Mapping[str, Any], machine: Machine, start: Pose = (0.0, 0.0, 0.0)
 ) -> SampledPath:
     """A scenario's ``[trace]`` for this machine, from its start pose on."""
     return trace_from(spec, machine.yaw_length, start, step_for(machine))
 
 
 def joystick_trace(
-    start: Start,
+    start: Pose,
     crab_angle: float,
     speed: float,
     turn_rate: float,
@@ -95,9 +95,10 @@ def joystick_trace(
     angle = arc.turn * s
     sine: Array = s * np.sinc(angle / math.pi)  # sin(angle)/turn, also at turn 0
     versine: Array = s * np.sin(angle / 2) * np.sinc(angle / (2 * math.pi))  # (1 - cos(angle))/turn
-    dx, dy = arc.ux * sine - arc.uy * versine, arc.ux * versine + arc.uy * sine
+    dx = arc.ux * sine - arc.uy * versine
+    dy = arc.ux * versine + arc.uy * sine
     x0, y0, yaw0 = start
-    c, d = math.cos(yaw0), math.sin(yaw0)
+    c, d = direction(yaw0)
     yaw: Array = np.asarray(yaw0 + angle, dtype=np.float64)
     return SampledPath(step, x0 + c * dx - d * dy, y0 + d * dx + c * dy, yaw)
 
@@ -119,7 +120,7 @@ def _follow(x: Array, y: Array, mode: str) -> tuple[Array, Array, Array]:
     if mode == "fixed":
         return x, y, np.zeros_like(x)
     tangent = np.unwrap(np.arctan2(np.gradient(y), np.gradient(x)))
-    c, d = math.cos(tangent[0]), math.sin(tangent[0])
+    c, d = direction(tangent[0])
     return c * x + d * y, c * y - d * x, tangent - tangent[0]
 
 
@@ -135,8 +136,9 @@ def _line(
     spec: Mapping[str, Any], mode: str, default_length: float = 5.0, default_deg: float = 0.0
 ) -> tuple[Array, Array, Array]:
     u = _fine(_number(spec, "length", default_length, 0.1, 1000.0))
-    direction = math.radians(_number(spec, "direction_deg", default_deg, -180.0, 180.0))
-    return _follow(u * math.cos(direction), u * math.sin(direction), mode)
+    heading = math.radians(_number(spec, "direction_deg", default_deg, -180.0, 180.0))
+    ux, uy = direction(heading)
+    return _follow(u * ux, u * uy, mode)
 
 
 def _sideways(spec: Mapping[str, Any], mode: str) -> tuple[Array, Array, Array]:
@@ -165,17 +167,16 @@ def _spun(radius: float, end: float, angle: float, mode: str) -> tuple[Array, Ar
     bend = radius + (end - radius) * heading / angle
     ds = np.abs(np.diff(heading)) * (bend[1:] + bend[:-1]) / 2
     mid = (heading[1:] + heading[:-1]) / 2
-    x = np.concatenate([[0.0], np.cumsum(ds * np.cos(mid))])
-    y = np.concatenate([[0.0], np.cumsum(ds * np.sin(mid))])
+    ux, uy = directions(mid)
+    x = np.concatenate([[0.0], np.cumsum(ds * ux)])
+    y = np.concatenate([[0.0], np.cumsum(ds * uy)])
     return x, y, heading if mode == "tangent" else np.zeros_like(x)
 
 
 def _sine(spec: Mapping[str, Any], mode: str) -> tuple[Array, Array, Array]:
     """y = amplitude · sin(x / length): K's trace of varying curvature."""
-    amplitude, scale = (
-        _number(spec, "amplitude", 0.6, -100.0, 100.0),
-        _number(spec, "length", 1.0, 0.1, 100.0),
-    )
+    amplitude = _number(spec, "amplitude", 0.6, -100.0, 100.0)
+    scale = _number(spec, "length", 1.0, 0.1, 100.0)
     x = _fine(_number(spec, "distance", 8.0, 0.1, 1000.0))
     return _follow(x, amplitude * np.sin(x / scale), mode)
 
@@ -187,25 +188,9 @@ def _turn(spec: Mapping[str, Any], mode: str) -> tuple[Array, Array, Array]:
 
 def _waypoints(spec: Mapping[str, Any], mode: str) -> tuple[Array, Array, Array]:
     """A natural cubic spline through the points; x, y are relative to the start pose."""
-    points = spec.get("waypoints")
-    if not isinstance(points, Sequence) or len(points) < 2:
-        raise TraceError(f"waypoints must be at least two [x, y, yaw_deg], got {points!r:.80}")
-    rows = []
-    for k, row in enumerate(points):
-        if (
-            not isinstance(row, Sequence)
-            or len(row) not in (2, 3)
-            or not all(_is_number(v) for v in row)
-        ):
-            raise TraceError(f"waypoint {k + 1} must be [x, y] or [x, y, yaw_deg], got {row!r:.80}")
-        rows.append((float(row[0]), float(row[1]), math.radians(row[2]) if len(row) == 3 else 0.0))
-    table = np.array(rows)
-    yaw_length = 0.5  # m/rad, only spreads the spline's parameter
-    gaps = np.sqrt(
-        np.diff(table[:, 0]) ** 2
-        + np.diff(table[:, 1]) ** 2
-        + (yaw_length * np.diff(table[:, 2])) ** 2
-    )
+    table = np.array(_waypoint_rows(spec.get("waypoints")))
+    dx, dy, turn = np.diff(table, axis=0).T
+    gaps = np.sqrt(dx**2 + dy**2 + (SPLINE_YAW_LENGTH * turn) ** 2)
     if float(gaps.min()) < 1e-6:
         raise TraceError("two successive waypoints are the same")
     knots = np.concatenate([[0.0], np.cumsum(gaps)])
@@ -216,6 +201,20 @@ def _waypoints(spec: Mapping[str, Any], mode: str) -> tuple[Array, Array, Array]
     return x, y, np.unwrap(np.arctan2(np.gradient(y), np.gradient(x)))
 
 
+def _waypoint_rows(points: Any) -> list[tuple[float, float, float]]:
+    """Waypoints as x, y in m and yaw in rad, checked."""
+    if not isinstance(points, Sequence) or len(points) < 2:
+        raise TraceError(f"waypoints must be at least two [x, y, yaw_deg], got {points!r:.80}")
+    rows = []
+    for k, row in enumerate(points, 1):
+        has_form = isinstance(row, Sequence) and len(row) in (2, 3)
+        if not has_form or not all(_is_number(v) for v in row):
+            raise TraceError(f"waypoint {k} must be [x, y] or [x, y, yaw_deg], got {row!r:.80}")
+        yaw = math.radians(row[2]) if len(row) == 3 else 0.0
+        rows.append((float(row[0]), float(row[1]), yaw))
+    return rows
+
+
 def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
 
@@ -224,13 +223,15 @@ def _spline(knots: Array, values: Array, at: Array) -> Array:
     """Natural cubic spline: second derivatives from one tridiagonal system."""
     n = len(knots)
     h = np.diff(knots)
-    system, right = np.eye(n), np.zeros(n)
+    system = np.eye(n)
+    right = np.zeros(n)
     for k in range(1, n - 1):
-        system[k, k - 1 : k + 2] = h[k - 1] / 6, (h[k - 1] + h[k]) / 3, h[k] / 6
+        system[k, k - 1 : k + 2] = [h[k - 1] / 6, (h[k - 1] + h[k]) / 3, h[k] / 6]
         right[k] = (values[k + 1] - values[k]) / h[k] - (values[k] - values[k - 1]) / h[k - 1]
     bend = np.linalg.solve(system, right)
     j = np.clip(np.searchsorted(knots, at, side="right") - 1, 0, n - 2)
-    a, b = (knots[j + 1] - at) / h[j], (at - knots[j]) / h[j]
+    a = (knots[j + 1] - at) / h[j]
+    b = (at - knots[j]) / h[j]
     return np.asarray(
         a * values[j]
         + b * values[j + 1]

@@ -41,7 +41,8 @@ class RigidGait:
     @property
     def groups(self) -> tuple[tuple[int, ...], ...]:
         """The legs moved together, in order: each time legs come down."""
-        moved, n = [], len(self.rows)
+        moved = []
+        n = len(self.rows)
         for k in range(n):
             down = tuple(
                 leg

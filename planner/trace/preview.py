@@ -9,9 +9,12 @@ import math
 import numpy as np
 
 from ..geometry.paths import EDGE, SampledPath
+from ..geometry.transforms import directions, left_fold_sum
 from ..robot.model import Machine
 from ..types import GaitPreview, Point, Stance, StepPlan
-from .planner import Prediction, TraceWalk, index_of
+from .moves import Move
+from .planner import TraceWalk
+from .prediction import Prediction, index_of
 
 LINE_STEP = 0.05  # m of s between points of the line; wider and a curve shows corners
 BEYOND = 3.0  # body lengths of a given trace shown beyond the prediction
@@ -61,56 +64,78 @@ def _apart(a: tuple[float, ...], b: tuple[float, ...], yaw_length: float) -> flo
 
 
 def _length(poses: tuple[tuple[float, ...], ...], yaw_length: float) -> float:
-    return sum(_apart(a, b, yaw_length) for a, b in zip(poses, poses[1:], strict=False))
+    pairs = zip(poses, poses[1:], strict=False)
+    return left_fold_sum(_apart(a, b, yaw_length) for a, b in pairs)
 
 
 def _foreseen(
     known: Prediction, n: int, stance: Stance, machine: Machine, leaving: dict[int, Bar]
 ) -> GaitPreview:
-    moves, offset = known.moves[n:], 0.0 if known.given else known.start.course
-    count = len(machine.legs)
-    bars: list[list[Bar]] = [[leaving[leg]] if leg in leaving else [] for leg in range(count)]
-    footholds: list[list[Point]] = [[] for _ in range(count)]
-    for leg in range(count):
+    """What a prediction holds from its move ``n`` on, which starts at ``stance``; ``leaving`` are
+    the bars of feet on their way.
+    """
+    offset = 0.0 if known.given else known.start.course
+    bars: list[list[Bar]] = [
+        [leaving[leg]] if leg in leaving else [] for leg in range(len(machine.legs))
+    ]
+    for leg, leg_bars in enumerate(bars):
         if leg not in stance.lifted:
-            segment = _present(known, n, leg) or _segment(known.trace, stance, leg, offset, machine)
-            bars[leg].append((*segment, min(segment[0], stance.course), segment[1]))
-    for move in moves:
-        lifted_at = move.course - _length(
-            (*move.rise, *move.carry, *move.lower), machine.yaw_length
-        )
-        for leg in move.legs:
-            foot, found = move.after[leg], move.segments[leg]
-            if move.before[leg] is not None and bars[leg]:
-                bars[leg][-1] = (*bars[leg][-1][:3], max(bars[leg][-1][2], lifted_at))
-            if foot is not None and found is not None:
-                bars[leg].append((*found, move.course, max(found[1], move.course)))
-                footholds[leg].append(foot)
+            segment = _present(known, n, leg)
+            if segment is None:
+                segment = _segment(known.trace, stance, leg, offset, machine)
+            leg_bars.append((*segment, min(segment[0], stance.course), segment[1]))
+    for move in known.moves[n:]:
+        _add_bars(bars, move, machine.yaw_length)
     present = [
         leg_bars[-1 if leg in leaving else 0][:2]
         for leg, leg_bars in enumerate(bars)
         if leg_bars and leg not in stance.lifted
     ]
-    states = [_shared(present, stance.course)]
-    for move in moves:
-        staying = [
-            s for leg, s in enumerate(move.segments) if s is not None and leg not in move.legs
-        ]
-        states += [
-            _shared(staying, move.course),
-            _shared([s for s in move.segments if s is not None], move.course),
-        ]
     far = min(known.goal + BEYOND * machine.torso[0], offset + known.trace.length)
     return GaitPreview(
         _line(known.trace, stance.course, far, offset),
-        tuple(map(tuple, footholds)),
+        tuple(_footholds(known.moves[n:], leg) for leg in range(len(bars))),
         tuple(map(tuple, bars)),
-        tuple(states),
+        (_shared(present, stance.course), *_states(known.moves[n:])),
         known.reached,
         known.goal,
         known.complete,
         known.reason,
     )
+
+
+def _add_bars(bars: list[list[Bar]], move: Move, yaw_length: float) -> None:
+    """The bars of the footholds a move lifts feet from, cut there, and of those it puts them on."""
+    lifted_at = move.course - _length((*move.rise, *move.carry, *move.lower), yaw_length)
+    for leg in move.legs:
+        if move.before[leg] is not None and bars[leg]:
+            s1, s2, placed, lifted = bars[leg][-1]
+            bars[leg][-1] = s1, s2, placed, max(placed, lifted_at)
+        found = move.segments[leg]
+        if move.after[leg] is not None and found is not None:
+            bars[leg].append((*found, move.course, max(found[1], move.course)))
+
+
+def _footholds(moves: tuple[Move, ...], leg: int) -> tuple[Point, ...]:
+    """Where a leg will be put down, in order."""
+    return tuple(
+        foot
+        for move in moves
+        if leg in move.legs
+        and (foot := move.after[leg]) is not None
+        and move.segments[leg] is not None
+    )
+
+
+def _states(moves: tuple[Move, ...]) -> list[tuple[float, float]]:
+    """The segments of whole states: those of each move with its legs lifted, then standing."""
+    states = []
+    for move in moves:
+        standing = [(leg, s) for leg, s in enumerate(move.segments) if s is not None]
+        staying = [s for leg, s in standing if leg not in move.legs]
+        states.append(_shared(staying, move.course))
+        states.append(_shared([s for _, s in standing], move.course))
+    return states
 
 
 def _leaving(stance: Stance, running: StepPlan) -> dict[int, Bar]:
@@ -143,9 +168,11 @@ def _segment(
 ) -> tuple[float, float]:
     """Existence segment of a standing foot around s, by the samples of the trace itself."""
     x1, x2, y1, y2 = machine.boxes[leg]
-    c, d = np.cos(trace.yaw), np.sin(trace.yaw)
-    dx, dy = stance.feet[leg][0] - trace.x, stance.feet[leg][1] - trace.y
-    bx, by = c * dx + d * dy, c * dy - d * dx
+    c, s = directions(trace.yaw)
+    dx = stance.feet[leg][0] - trace.x
+    dy = stance.feet[leg][1] - trace.y
+    bx = c * dx + s * dy
+    by = c * dy - s * dx
     inside = (bx >= x1 - EDGE) & (bx <= x2 + EDGE) & (by >= y1 - EDGE) & (by <= y2 + EDGE)
     now = min(max(round((stance.course - offset) / trace.step), 0), trace.last)
     outside = np.flatnonzero(~inside)

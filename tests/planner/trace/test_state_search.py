@@ -1,7 +1,5 @@
 """The states a trace walk goes through: K's order, the search behind it, and what no search can do."""
 
-import math
-
 import numpy as np
 import pytest
 
@@ -11,25 +9,19 @@ from walking_console.planner.geometry.paths import SampledPath
 from walking_console.planner.protocols import run_to_completion
 from walking_console.planner.robot.model import Machine, load_machine
 from walking_console.planner.terrain.map import TerrainMap
+from walking_console.planner.trace.footholds import AIR
+from walking_console.planner.trace.lane import Lane
 from walking_console.planner.trace.paths import STEP, trace_from
-from walking_console.planner.trace.reachability import (
-    AIR,
-    Field,
-    Lane,
-    first_bit,
-    run_end,
-    run_start,
-    span,
-)
+from walking_console.planner.trace.reachability import Reachability
 from walking_console.planner.trace.state_search import search
-from walking_console.planner.trace.state_sequence import State, end_of, k_step
+from walking_console.planner.trace.state_sequence import SupportState, end_of, k_step
 
 HEXAPOD = load_machine("hexapod")
 
 
 def field_on_trace(
     terrain: TerrainMap, samples: int, machine: Machine = HEXAPOD, step: float = STEP
-) -> tuple[Field, State]:
+) -> tuple[Reachability, SupportState]:
     course = trace_from({"kind": "sine"}, machine.yaw_length, step=step)
     part = slice(0, samples + 1)
     lane = Lane(
@@ -38,40 +30,33 @@ def field_on_trace(
         course.yaw[part],
         np.full(samples + 1, gait_of(machine).height),
     )
-    field = Field(lane, terrain, machine).find_all()
-    return field, State(
+    reachable = Reachability(lane, terrain, machine).find_all()
+    return reachable, SupportState(
         tuple(
-            field.stand(leg, (*description.centre, 0.0), 0)
+            reachable.foothold_of(leg, (*description.centre, 0.0), 0)
             for leg, description in enumerate(machine.legs)
         ),
         0,
     )
 
 
-def test_samples_are_bits() -> None:
-    mask = span(3, 7) | span(10, 12)
-    assert first_bit(mask) == 3
-    assert (run_start(mask, 5), run_end(mask, 5)) == (3, 7)
-    assert (run_start(mask, 11), run_end(mask, 11)) == (10, 12)
-
-
 def test_on_open_ground_the_leg_that_must_leave_first_is_lifted_and_put_down_ahead() -> None:
-    field, start = field_on_trace(field_of(1.0, 0, HEXAPOD), 160)
-    lifted, down = k_step(field, start) or []
-    leg = min(range(6), key=lambda i: field.holds[start.feet[i]].last)
+    reachable, start = field_on_trace(field_of(1.0, 0, HEXAPOD), 160)
+    lifted, down = k_step(reachable, start) or []
+    leg = min(range(6), key=lambda i: reachable.footholds[start.feet[i]].last)
     assert lifted.feet[leg] == AIR and down.feet[leg] >= 0
-    assert field.holds[down.feet[leg]].last > field.holds[start.feet[leg]].last
+    assert reachable.footholds[down.feet[leg]].last > reachable.footholds[start.feet[leg]].last
 
 
 def test_successive_states_overlap() -> None:
     """K: the necessary and sufficient condition for a stable motion."""
-    field, start = field_on_trace(field_of(0.04, 3, HEXAPOD), 320)
-    path = run_to_completion(search(field, start, 320, 40_000))
+    reachable, start = field_on_trace(field_of(0.04, 3, HEXAPOD), 320)
+    path = run_to_completion(search(reachable, start, 320, 40_000))
     assert path.complete
     for before, after in zip(path.states, path.states[1:], strict=False):
-        assert field.valid(before.feet) & field.valid(after.feet)
+        assert reachable.valid(before.feet) & reachable.valid(after.feet)
         assert sum(f >= 0 for f in after.feet) >= 3
-        assert end_of(field, after) >= after.at
+        assert end_of(reachable, after) >= after.at
 
 
 @pytest.mark.parametrize("seed", (101, 104, 106, 107, 110, 111))
@@ -83,7 +68,7 @@ def test_where_an_exhaustive_search_finds_a_way_so_does_the_planner_and_nowhere_
     """
     samples, step = 15, 0.05
     terrain = field_of(0.01, seed, HEXAPOD, (-1.0, 1.8, -1.0, 1.4))
-    field, start = field_on_trace(terrain, samples, step=step)
+    reachable, start = field_on_trace(terrain, samples, step=step)
     course = trace_from({"kind": "sine"}, HEXAPOD.yaw_length, step=step)
     short = SampledPath(
         step,
@@ -92,7 +77,7 @@ def test_where_an_exhaustive_search_finds_a_way_so_does_the_planner_and_nowhere_
         course.yaw[: samples + 1].copy(),
     )
     most = farthest_reachable(HEXAPOD, terrain, short, tuple(leg.centre for leg in HEXAPOD.legs))
-    path = run_to_completion(search(field, start, samples, 1_000_000))
+    path = run_to_completion(search(reachable, start, samples, 1_000_000))
     assert path.farthest == most
     assert path.complete == (most == samples)
 
@@ -100,8 +85,8 @@ def test_where_an_exhaustive_search_finds_a_way_so_does_the_planner_and_nowhere_
 def test_the_answer_does_not_depend_on_how_the_search_is_sliced() -> None:
     paths = []
     for slices in (1, 3):
-        field, start = field_on_trace(field_of(0.03, 5, HEXAPOD), 320)
-        thinking = search(field, start, 320, 2000)
+        reachable, start = field_on_trace(field_of(0.03, 5, HEXAPOD), 320)
+        thinking = search(reachable, start, 320, 2000)
         while True:
             try:
                 for _ in range(slices):
@@ -112,24 +97,29 @@ def test_the_answer_does_not_depend_on_how_the_search_is_sliced() -> None:
     assert paths[0] == paths[1]
 
 
-def test_with_sway_a_field_can_be_crossed_that_the_trace_alone_cannot() -> None:
-    terrain = field_of(0.03, 1, HEXAPOD)
+def reached_beside(terrain: TerrainMap, aside: tuple[float, ...]) -> int:
+    """The sample of 320 the search reaches with rows so far beside the trace."""
     course = trace_from({"kind": "sine"}, HEXAPOD.yaw_length)
     x, y, yaw = (array[:321] for array in (course.x, course.y, course.yaw))
-    reached = []
-    for sways in ((0.0,), (0.0, 0.05, -0.05, 0.1, -0.1)):
-        tx, ty = np.gradient(x), np.gradient(y)
-        size = np.hypot(tx, ty)
-        lane = Lane(
-            np.stack([x - sway * ty / size for sway in sways]),
-            np.stack([y + sway * tx / size for sway in sways]),
-            yaw,
-            np.full(321, 0.5),
-        )
-        field = Field(lane, terrain, HEXAPOD).find_all()
-        start = State(
-            tuple(field.stand(leg, (*d.centre, 0.0), 0) for leg, d in enumerate(HEXAPOD.legs)), 0
-        )
-        reached.append(run_to_completion(search(field, start, 320, 40_000)).farthest)
-    assert reached[1] >= reached[0]
-    assert math.isclose(reached[1], 320, abs_tol=0)
+    tx, ty = np.gradient(x), np.gradient(y)
+    size = np.hypot(tx, ty)
+    lane = Lane(
+        np.stack([x - off * ty / size for off in aside]),
+        np.stack([y + off * tx / size for off in aside]),
+        yaw,
+        np.full(321, 0.5),
+    )
+    reachable = Reachability(lane, terrain, HEXAPOD).find_all()
+    feet = tuple(
+        reachable.foothold_of(leg, (*description.centre, 0.0), 0)
+        for leg, description in enumerate(HEXAPOD.legs)
+    )
+    path = run_to_completion(search(reachable, SupportState(feet, 0), 320, 40_000))
+    assert path.exhausted or path.complete
+    return path.farthest
+
+
+def test_beside_the_trace_a_field_can_be_crossed_that_the_trace_alone_cannot() -> None:
+    terrain = field_of(0.015, 2, HEXAPOD)
+    assert reached_beside(terrain, (0.0,)) == 99, "no way on the trace: all states were looked at"
+    assert reached_beside(terrain, (0.0, 0.05, -0.05, 0.1, -0.1)) == 320

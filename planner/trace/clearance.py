@@ -1,0 +1,134 @@
+"""What stands too tall on the way of a trace walk (K's third truncation, "non-touching the
+surface"). On most ground nothing does, and this costs nothing.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry.transforms import directions
+from ..motion.swing import CLEARANCE
+from ..robot.model import Machine
+from ..terrain.map import TerrainMap
+from .footholds import Foothold, within_reach
+from .lane import Lane
+from .samples import SampleGrid, bits_of, first_bit
+
+# samples whose room over the ground is looked at together; more refuses ground beside tall things
+STRIDE = 4
+
+
+class Clearance:
+    """Where feet in the air have room, and where the torso has."""
+
+    def __init__(
+        self, lane: Lane, samples: SampleGrid, terrain: TerrainMap, machine: Machine
+    ) -> None:
+        self.lane = lane
+        self.samples = samples
+        self.terrain = terrain
+        self.machine = machine
+        self.has_tall = False  # something here is too tall for a foot to be lifted over
+        self.torso_room = samples.all  # samples at which the torso touches no ground
+        self.torso_grazes = False  # there are others
+        self._crossed: dict[tuple[int, int], bool] = {}
+        self._room: dict[int, int] = {}
+        if not terrain.is_level:
+            self._look_for_tall_things()
+
+    def _look_for_tall_things(self) -> None:
+        machine = self.machine
+        low = float(self.lane.z.min())
+        room = min(self._ceiling(leg) for leg in range(len(machine.legs)))
+        under = -machine.torso[2] / 2
+        if self.terrain.highest <= low + min(room, under):
+            return
+        heights = self.terrain.heights[within_reach(self.lane, self.terrain, machine)]
+        highest = float(np.where(np.isnan(heights), -np.inf, heights).max(initial=-np.inf))
+        self.has_tall = highest > low + room
+        if highest > low + under:
+            self.torso_room = self.samples.pack(_torso_clear(self.lane, self.terrain, machine))
+            self.torso_grazes = self.torso_room != self.samples.all
+
+    def _ceiling(self, leg: int) -> float:
+        """Height over the centre of gravity of the tallest ground a leg can carry its foot over."""
+        return self.machine.legs[leg].z[1] + self.machine.overreach[2] - CLEARANCE
+
+    def crosses(self, f: int, g: int, holds: tuple[Foothold, Foothold], either: int) -> bool:
+        """True when a foot can be carried over the ground between footholds number f and g, as low
+        as the body may be on the way; ``either`` are the samples at which one of them is in reach.
+        """
+        able = self._crossed.get((f, g))
+        if able is None:
+            a, b = holds
+            on_trace = either & self.samples.row_mask
+            z = self.lane.z
+            if on_trace:
+                z = z[first_bit(on_trace) : on_trace.bit_length()]
+            crest = self.terrain.crest_between(a.x, a.y, b.x, b.y)
+            able = crest <= float(z.min()) + self._ceiling(a.leg)
+            self._crossed[f, g] = self._crossed[g, f] = able
+        return able
+
+    def room(self, leg: int) -> int:
+        """Samples at which a foot in the air may be anywhere over its leg's rectangle: nothing
+        there is too tall for it.
+        """
+        mask = self._room.get(leg)
+        if mask is None:
+            mask = self._room[leg] = self._room_over_rectangle(leg)
+        return mask
+
+    def accept(self, legs: list[int], sample: int) -> None:
+        """Take the machine as it is: its torso and these legs in the air have room at a sample."""
+        self.torso_room |= 1 << sample
+        if self.has_tall:
+            for leg in legs:
+                self._room[leg] = self.room(leg) | 1 << sample
+
+    def _room_over_rectangle(self, leg: int) -> int:
+        lane = self.lane
+        rectangle = self.machine.legs[leg]
+        aside = float(np.hypot(lane.x - lane.x[0], lane.y - lane.y[0]).max())
+        aside += self.machine.foot_radius
+        flags = np.zeros(self.samples.count, dtype=bool)
+        for begin in range(0, self.samples.count, STRIDE):
+            part = slice(begin, begin + STRIDE)
+            x = lane.x[0, part]
+            y = lane.y[0, part]
+            c, d = directions(lane.yaw[part])
+            px = [x + c * bx - d * by for bx in rectangle.x for by in rectangle.y]
+            py = [y + d * bx + c * by for bx in rectangle.x for by in rectangle.y]
+            top = self.terrain.crest_in(
+                float(np.min(px)) - aside,
+                float(np.max(px)) + aside,
+                float(np.min(py)) - aside,
+                float(np.max(py)) + aside,
+            )
+            flags[part] = top <= float(lane.z[part].min()) + self._ceiling(leg)
+        return self.samples.in_all_rows(bits_of(flags))
+
+
+def _torso_clear(lane: Lane, terrain: TerrainMap, machine: Machine) -> NDArray[np.bool_]:
+    """(rows, samples): where the torso's box touches no ground."""
+    length, width, height = machine.torso
+    # a crest tells of all the cells this near
+    apart = (2 * math.ceil(terrain.foot_radius / terrain.cell) + 1) * terrain.cell
+    crests = np.asarray(terrain.crest_view).reshape(terrain.rows, terrain.columns)
+    c, d = directions(lane.yaw)
+    low = lane.z - height / 2
+    clear = np.ones(lane.x.shape, dtype=bool)
+    for bx in np.linspace(-length / 2, length / 2, math.ceil(length / apart) + 1):
+        for by in np.linspace(-width / 2, width / 2, math.ceil(width / apart) + 1):
+            x = lane.x + c * bx - d * by
+            y = lane.y + d * bx + c * by
+            columns = np.floor((x - terrain.origin[0]) / terrain.cell).astype(np.intp)
+            rows = np.floor((y - terrain.origin[1]) / terrain.cell).astype(np.intp)
+            inside = (rows >= 0) & (rows < terrain.rows)
+            inside &= (columns >= 0) & (columns < terrain.columns)
+            top = crests[rows.clip(0, terrain.rows - 1), columns.clip(0, terrain.columns - 1)]
+            clear &= ~inside | (top <= low)
+    return clear

@@ -1,0 +1,88 @@
+"""Footholds of a trace walk and where they may be (K "calculation of footholds")."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ..geometry.paths import EDGE
+from ..robot.model import Machine
+from ..terrain.grid import Window
+from ..terrain.map import TerrainMap
+from ..types import Array
+from .lane import Lane
+
+DENSE = 16  # footholds a leg's rectangle may hold before the ground is thinned out
+AIR = -1  # in a footing: this leg is in the air
+
+Footing = tuple[int, ...]  # a foothold's number for every leg, AIR where there is none
+
+
+class Foothold(NamedTuple):
+    """A point a leg can stand on, absolute, m. ``last`` is K's S2 on the trace itself: the last
+    sample of the window in reach.
+    """
+
+    leg: int
+    x: float
+    y: float
+    z: float
+    last: int
+
+
+def within_reach(lane: Lane, terrain: TerrainMap, machine: Machine) -> Window:
+    """The cells of the map within reach of the lane."""
+    radius = max(math.hypot(x, y) for leg in machine.legs for x in leg.x for y in leg.y)
+    return terrain.window(
+        float(lane.x.min()) - radius,
+        float(lane.x.max()) + radius,
+        float(lane.y.min()) - radius,
+        float(lane.y.max()) + radius,
+    )
+
+
+def allowed_cells(
+    lane: Lane, terrain: TerrainMap, machine: Machine, thin: int
+) -> tuple[Array, Array, Array]:
+    """x, y and z (n,) of the centres of cells a foot may land on within reach of the lane, m; one
+    of ``thin`` x ``thin`` cells when thinned.
+    """
+    window = within_reach(lane, terrain, machine)
+    rows, columns = np.nonzero(~terrain.forbidden[window])
+    rows = rows + window[0].start
+    columns = columns + window[1].start
+    if thin > 1 and len(rows):
+        _, kept = np.unique((rows // thin) * terrain.columns + columns // thin, return_index=True)
+        rows = rows[kept]
+        columns = columns[kept]
+    px = np.asarray(terrain.origin[0] + (columns + 0.5) * terrain.cell, dtype=np.float64)
+    py = np.asarray(terrain.origin[1] + (rows + 0.5) * terrain.cell, dtype=np.float64)
+    return px, py, np.asarray(terrain.heights[rows, columns], dtype=np.float64)
+
+
+def thinning(lane: Lane, terrain: TerrainMap, machine: Machine) -> int:
+    """How coarsely dense ground may be sampled so that a leg's rectangle still offers about DENSE
+    footholds.
+    """
+    patch = terrain.forbidden[within_reach(lane, terrain, machine)]
+    if not patch.size:
+        return 1
+    allowed = 1.0 - float(np.count_nonzero(patch)) / patch.size
+    area = max((leg.x[1] - leg.x[0]) * (leg.y[1] - leg.y[0]) for leg in machine.legs)
+    return max(1, math.floor(math.sqrt(allowed * area / terrain.cell**2 / DENSE) + 0.5))
+
+
+def legs_clear(footholds: Sequence[Foothold], feet: Footing, hold: Foothold, radius: float) -> bool:
+    """K's second truncation: a foot of this radius, m, set down at ``hold`` stands clear of every
+    other standing foot.
+    """
+    apart = (2 * radius) ** 2 - EDGE
+    for f in feet:
+        if f >= 0:
+            other = footholds[f]
+            if other.leg != hold.leg and (other.x - hold.x) ** 2 + (other.y - hold.y) ** 2 < apart:
+                return False
+    return True
