@@ -11,12 +11,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
 from ..geometry.transforms import Body, point_placed, point_seen
-from ..motion.step_builder import plan_from_knots
+from ..motion.step_builder import Feet, plan_from_knots
 from ..motion.swing import (
     EVEN,
     Profile,
@@ -29,6 +30,7 @@ from ..motion.swing import (
     swing_speeds,
     waiting_place,
 )
+from ..motion.timing import CLIMB_SHARE
 from ..robot.model import Machine
 from ..stability import longitudinal_margin, polygon_margin, support_polygon
 from ..terrain.map import TerrainMap
@@ -41,8 +43,6 @@ PAUSE_SPEED = 1e-6  # m; a shorter way is no way
 PACE_SHARE = (
     0.9  # of the pace at which a standing foot reaches its speed limit; more leaves it none
 )
-
-Feet = tuple[Point, ...]
 
 
 def body_pace_max(machine: Machine, gait: Gait) -> float:
@@ -61,7 +61,7 @@ class _Way:
     def __init__(self, poses: Sequence[Body], machine: Machine) -> None:
         self.poses = poses
         marks = [0.0]
-        for a, b in zip(poses, poses[1:], strict=False):
+        for a, b in pairwise(poses):
             marks.append(marks[-1] + _apart(a, b, machine.yaw_length))
         self._marks = marks
         self._knot = KNOT * machine.torso[0]
@@ -70,6 +70,15 @@ class _Way:
     def length(self) -> float:
         """m."""
         return self._marks[-1]
+
+    @property
+    def steepest(self) -> float:
+        """The most the body climbs or sinks per metre of its way."""
+        rises = [abs(b[2] - a[2]) for a, b in pairwise(self.poses)]
+        ways = [end - start for start, end in pairwise(self._marks)]
+        return max(
+            (z / s for z, s in zip(rises, ways, strict=True) if s > PAUSE_SPEED), default=0.0
+        )
 
     def pieces(self, start: float, end: float) -> int:
         """Into how many straight lines the stretch between two places is cut."""
@@ -277,8 +286,9 @@ class _Transfer:
             for w in self.feet.values()
             if w.over is not None and w.aim is not None
         ]
-        self.up = max(rises, default=0.0) / self.limits[2]
-        self.down = max(drops, default=0.0) / self.limits[2]
+        self.rise = max(rises, default=0.0)
+        self.drop = max(drops, default=0.0)
+        self.slope = self.way.steepest
 
     @property
     def moving(self) -> list[int]:
@@ -316,8 +326,14 @@ class _Transfer:
         (never faster than ``top``), m/s.
         """
         length = self.way.length
-        up_way = min(_Way(self.move.rise, self.machine).length, pace * self.up)
-        down_way = min(_Way(self.move.lower, self.machine).length, pace * self.down)
+        if self.slope > 0.0:
+            pace = min(pace, CLIMB_SHARE * self.machine.speed[2] / self.slope)
+        # what the body climbs or sinks meanwhile is no longer there for the feet
+        lifting = self.limits[2] * (1.0 - self.slope * pace / self.machine.speed[2])
+        up = self.rise / lifting
+        down = self.drop / lifting
+        up_way = min(_Way(self.move.rise, self.machine).length, pace * up)
+        down_way = min(_Way(self.move.lower, self.machine).length, pace * down)
         if up_way + down_way > length:
             scale = length / (up_way + down_way)
             up_way *= scale
@@ -330,8 +346,8 @@ class _Transfer:
             axes = zip(begin_b[leg], end_b[leg], self.limits, strict=True)
             need = max(need, *(abs(q - p) / v for p, q, v in axes))
         way = max(length - up_way - down_way, 0.0)
-        carried = max(need, way / top, length / pace - self.up - self.down)
-        return _Timed(self.up, carried, self.down, up_way, down_way, begin_b, end_b)
+        carried = max(need, way / top, length / pace - up - down)
+        return _Timed(up, carried, down, up_way, down_way, begin_b, end_b)
 
     def play(self, times: _Timed, knots: _Knots) -> None:
         """Append the stretches up, return, down."""
@@ -392,7 +408,7 @@ def _least_margin(knots: _Knots, air: tuple[int, ...], lifted: tuple[int, ...]) 
         for legs in (air, lifted)
     )
     least = math.inf
-    for a, b, phase in zip(knots.body, knots.body[1:], knots.phases, strict=False):
+    for (a, b), phase in zip(pairwise(knots.body), knots.phases, strict=True):
         polygon = standing if phase in (Phase.SUPPORT, Phase.SHIFT) else swinging
         dx, dy = b[0] - a[0], b[1] - a[1]
         length = math.hypot(dx, dy)
