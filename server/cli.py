@@ -6,7 +6,6 @@ import json
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -18,12 +17,14 @@ from walking_console.sim.scenario import ScenarioError, list_scenarios, load_sce
 from walking_console.sim.terrain.generators import list_terrains
 from walking_console.sim.terrain.ground import GroundError
 
+from .serve_options import LogLevel, ServeOptions
 from .terminal_output import print_list, print_summary, progress_shown, terminal
 
 BAD_INPUT = 2
 LINE_MAX = 2000  # characters of one clear line
 DEFAULT_COMMAND = "serve"
 ENVIRONMENT = "WALKING_CONSOLE_"
+UNASKED = ServeOptions()
 
 
 class ServeByDefault(TyperGroup):
@@ -56,15 +57,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-
-
-class LogLevel(StrEnum):
-    """How much is said on standard error."""
-
-    DEBUG = "debug"
-    INFO = "info"
-    WARNING = "warning"
-    ERROR = "error"
 
 
 HostOption = Annotated[str, typer.Option(help="Address to listen on.", envvar=f"{ENVIRONMENT}HOST")]
@@ -150,18 +142,17 @@ def walking_console(
 
 @app.command()
 def serve(
-    host: HostOption = "127.0.0.1",
-    port: PortOption = 8000,
-    robot: RobotOption = None,
-    scenario: ScenarioOption = "dem",
-    no_open: NoOpenOption = False,
-    token: TokenOption = None,
-    data: DataOption = Path("walking-console-data"),
-    sit_after: SitAfterOption = 10.0,
-    log_level: LogLevelOption = LogLevel.WARNING,
+    host: HostOption = UNASKED.host,
+    port: PortOption = UNASKED.port,
+    robot: RobotOption = UNASKED.robot,
+    scenario: ScenarioOption = UNASKED.scenario,
+    no_open: NoOpenOption = not UNASKED.open_page,
+    token: TokenOption = UNASKED.token,
+    data: DataOption = UNASKED.data,
+    sit_after: SitAfterOption = UNASKED.sit_after,
+    log_level: LogLevelOption = UNASKED.log_level,
 ) -> None:
     """Start the console and print its one URL."""
-    from .launch import ServeOptions
     from .launch import serve as serve_console
 
     options = ServeOptions(

@@ -26,13 +26,8 @@ from .schemas import (
     StopFrame,
     TakeFrame,
 )
-from .sessions import Session
+from .sessions import DEAD_MAN, LEASE_IDLE, SIT_AFTER, Session
 
-DEAD_MAN = 0.5  # s: shorter stops on every hiccup of a wireless link, longer walks on blindly
-# s without a fresh frame from a pressed stick after which the machine sits down; shorter: see it
-# sit on every bad link
-SIT_AFTER = 10.0
-LEASE_IDLE = 15.0  # s without a frame after which the lease is free
 REST = "rest"  # who drives while a REST command lives
 
 log = logging.getLogger(__name__)

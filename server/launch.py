@@ -10,8 +10,6 @@ import sys
 import threading
 import webbrowser
 from collections.abc import Callable
-from dataclasses import dataclass
-from pathlib import Path
 
 from walking_console.sim.scenario import load_scenario
 from walking_console.sim.simulation import Simulation
@@ -23,44 +21,17 @@ from .api.app import create_app
 from .api.errors import HTTPProblem
 from .api.state import AppSettings
 from .api.terrain_edits import edit_under, painted
-from .control_lease import SIT_AFTER
 from .listening import ServeError, check_token, is_loopback, listen, url_of
 from .realtime_loop import RealtimeLoop
 from .render_loop import RenderLoop
 from .request_guard import LOOPBACK, is_address
 from .scheduling import raise_priority
+from .serve_options import LogLevel, ServeOptions
 from .uvicorn_server import ConsoleServer, config_for
 from .viser_bridge import BridgeError, ViserBridge
 
 log = logging.getLogger(__name__)
 LOG_FORMAT = "%(asctime)s %(levelname)s %(name)s: %(message)s"
-
-
-@dataclass(frozen=True)
-class ServeOptions:
-    """What ``walking-console serve`` was asked for."""
-
-    host: str = "127.0.0.1"
-    port: int = 8000
-    robot: str | None = None
-    scenario: str = "dem"
-    open_page: bool = True
-    token: str | None = None
-    data: Path = Path("walking-console-data")
-    sit_after: float = SIT_AFTER  # s; 0: never
-    log_level: str = "warning"
-
-    def app_settings(self) -> AppSettings:
-        """Which names the app answers for, and where it keeps its runs."""
-        named = () if self.host in LOOPBACK or is_address(self.host) else (self.host,)
-        alone = is_loopback(self.host)
-        return AppSettings(
-            data=self.data,
-            hosts=named if alone else (*named, socket.gethostname()),
-            addresses=not alone,
-            token=self.token,
-            sit_after=self.sit_after,
-        )
 
 
 def serve(options: ServeOptions) -> None:
@@ -80,7 +51,7 @@ def serve(options: ServeOptions) -> None:
         listening.close()
         raise ServeError(str(error)) from None
     rendering = RenderLoop(loop, _scene(bridge, loop), lambda: bridge.watched)
-    app = create_app(loop, options.app_settings(), bridge)
+    app = create_app(loop, app_settings(options), bridge)
     server = ConsoleServer(config_for(app), loop.hold_for_good)
     _announce_when_ready(server, url_of(listening, options.host, options.token), options.open_page)
     log.info("runs are kept in %s", options.data.absolute())
@@ -96,7 +67,21 @@ def serve(options: ServeOptions) -> None:
         bridge.stop()
 
 
-def log_to_stderr(level: str) -> None:
+def app_settings(options: ServeOptions) -> AppSettings:
+    """Which names the app answers for, and where it keeps its runs."""
+    host = options.host
+    named = () if host in LOOPBACK or is_address(host) else (host,)
+    alone = is_loopback(host)
+    return AppSettings(
+        data=options.data,
+        hosts=named if alone else (*named, socket.gethostname()),
+        addresses=not alone,
+        token=options.token,
+        sit_after=options.sit_after,
+    )
+
+
+def log_to_stderr(level: LogLevel) -> None:
     """Say what happens, from this level on, on standard error; standard output has the address."""
     ours = logging.getLogger("walking_console")
     if not ours.handlers:

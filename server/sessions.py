@@ -1,4 +1,6 @@
-"""One socket's part in driving: its last number, its stick, its allowance of frames."""
+"""One socket's part in driving: its last number, its stick, its allowance of frames, and how long
+its silence is borne.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +10,11 @@ from dataclasses import dataclass
 from .lease_reasons import LeaseReason, LeaseRefusal, refusal
 from .schemas import DriveFrame, PostureFrame
 
+DEAD_MAN = 0.5  # s: shorter stops on every hiccup of a wireless link, longer walks on blindly
+# s without a fresh frame from a pressed stick after which the machine sits down; shorter: see it
+# sit on every bad link
+SIT_AFTER = 10.0
+LEASE_IDLE = 15.0  # s without a frame after which the lease is free
 FRAMES_PER_SECOND = 100.0
 FRAME_BURST = 50.0
 # what five seconds without a link may hold back and deliver at once

@@ -19,12 +19,11 @@ from walking_console.planner.types import TICK
 from walking_console.sim.runs.runner import product_version
 from walking_console.sim.snapshot import Snapshot
 
-from ..control_lease import DEAD_MAN
 from ..explanation_frames import ahead_frame, decision_frame
 from ..frames import HelloFrame, LeaseFrame, RefusedFrame, as_text, style_frame
 from ..problems import problem
 from ..schemas import BadFrame, read_frame
-from ..sessions import TooFast
+from ..sessions import DEAD_MAN, TooFast
 from .state import AppState, ConsoleState
 
 DRIVE_FRAME_MAX = 4096  # bytes of one frame on /drive

@@ -16,10 +16,12 @@ from starlette.requests import HTTPConnection
 
 from walking_console.sim.snapshot import Snapshot
 
-from ..control_lease import SIT_AFTER, ControlLease
+from ..control_lease import ControlLease
 from ..frames import as_text, snapshot_frame
 from ..realtime_loop import RealtimeLoop
 from ..run_jobs import RunJobs
+from ..serve_options import DATA
+from ..sessions import SIT_AFTER
 from ..viser_bridge import ViserBridge
 
 LOADS_AT_ONCE = 1
@@ -30,7 +32,7 @@ SETTLE_TIME = 5.0  # s for another world to show
 class AppSettings:
     """What the app is made with."""
 
-    data: Path = Path("walking-console-data")
+    data: Path = DATA
     hosts: tuple[str, ...] = ()
     # any IP address may be the Host: for a console that listens beyond loopback
     addresses: bool = False

@@ -23,8 +23,9 @@ def test_a_run_writes_the_whole_run_directory(run_directory):
     assert summary["ticks"] == 200 and summary["seconds"] == pytest.approx(4.0)
     with np.load(run_directory / "ticks.npz", allow_pickle=False) as log:
         assert {name: log[name].shape for name in log.files} == {
-            "t": (200,), "body": (200, 6), "feet": (200, 4, 3), "contact": (200, 4), "support": (200, 4), "margin": (200,),
-            "polygon_margin": (200,), "command": (200, 3), "step": (200,), "mode": (200,), "hash": (200,),
+            "t": (200,), "body": (200, 6), "feet": (200, 4, 3), "contact": (200, 4),
+            "support": (200, 4), "margin": (200,), "polygon_margin": (200,), "command": (200, 3),
+            "step": (200,), "mode": (200,), "hash": (200,),
         }  # fmt: skip
         assert (
             log["contact"].dtype == bool

@@ -50,7 +50,8 @@ def test_a_cut_file_is_refused_by_replay(run, name, keep):
 @pytest.mark.parametrize(
     "change",
     [
-        {"scenario": None}, {"robot": []}, {"robot": {}}, {"ticks": "x"}, {"modes": 5}, {"schema": 2},
+        {"scenario": None}, {"robot": []}, {"robot": {}}, {"ticks": "x"}, {"modes": 5},
+        {"schema": 2},
         {"scenario": {"terrain": {"kind": "file", "file": "none.npy"}}},
     ],
 )  # fmt: skip
@@ -92,9 +93,11 @@ def test_a_changed_log_is_refused_by_export(run, name, array, form):
 @pytest.mark.parametrize(
     "line",
     [
-        "null", "[" * 5000, '{"tick": 1e400}', '{"tick": 0, "input": "command", "crab_angle": "x", "speed": 1, "turn_rate": 0}',
+        "null", "[" * 5000, '{"tick": 1e400}',
+        '{"tick": 0, "input": "command", "crab_angle": "x", "speed": 1, "turn_rate": 0}',
         '{"tick": 0, "input": "command", "crab_angle": NaN, "speed": 1, "turn_rate": 0}',
-        '{"tick": 0, "input": "edit", "action": "dig", "cells": [[99999999999999999999, 0]], "amount": 0}',
+        '{"tick": 0, "input": "edit", "action": "dig", "cells": [[99999999999999999999, 0]],'
+        ' "amount": 0}',
     ],
 )  # fmt: skip
 def test_an_input_that_is_none_is_refused_by_replay(run, line):
@@ -110,7 +113,8 @@ def test_an_export_is_written_where_it_was_asked_for(run, tmp_path):
 @pytest.mark.parametrize(
     "setting",
     [
-        "title=0x" + "f" * 5000, "terrain.kind=0x" + "f" * 5000, "drive.00000000000001.speed=0.1", "robot=" + "a" * 300 + ".toml",
+        "title=0x" + "f" * 5000, "terrain.kind=0x" + "f" * 5000, "drive.00000000000001.speed=0.1",
+        "robot=" + "a" * 300 + ".toml",
         f'terrain={{file="{"a" * 300}.npy"}}', 'planner="trace"',
     ],
 )  # fmt: skip
@@ -154,7 +158,9 @@ def test_a_run_without_any_command_completes(tmp_path):
 @pytest.mark.parametrize(
     "change",
     [
-        {"mass": 16**5000}, {"torso": [1000.0, 0.3, 0.1]}, {"foot_radius": 5.0}, {"height": float("nan")}, {"legs": []}, {"name": 5},
+        {"mass": 16**5000}, {"torso": [1000.0, 0.3, 0.1]}, {"foot_radius": 5.0},
+        {"height": float("nan")},
+        {"legs": []}, {"name": 5},
         {"speed": [0.0, 1.0, 1.0]}, {"lift_up": 50.0, "lift_down": 60.0},
     ],
 )  # fmt: skip

@@ -1,4 +1,4 @@
-"""What the page is told beside snapshots: why a step was chosen, and what a trace walker foresees."""
+"""What goes out beside snapshots: why a step was chosen, and what a trace walker foresees."""
 
 import json
 

@@ -25,8 +25,8 @@ from walking_console.sim.snapshot import INSIDE, Sent, Snapshot
 from walking_console.sim.world import World, prepare
 
 # What pages and scripts have been promised: a key may be added, never changed.
-PROMISED = """type tick time_s mode posture reason scenario robot planner planner_mode attitude body feet
-contact support crab_angle_rad speed_m_s walked_m_s speed_max_m_s turn_rate_rad_s margin_m
+PROMISED = """type tick time_s mode posture reason scenario robot planner planner_mode attitude body
+feet contact support crab_angle_rad speed_m_s walked_m_s speed_max_m_s turn_rate_rad_s margin_m
 polygon_margin_m energy_margin_m step swing distance_m course_m flags paused rate late_s stopped
 fault""".split()
 

@@ -1,4 +1,6 @@
-"""The served console as a process: one URL line, one clear line for what is wrong, an end in time."""
+"""The served console as a process: one URL line, one clear line for what is wrong, and an end in
+time.
+"""
 
 import logging
 import re
@@ -15,7 +17,8 @@ import httpx
 import pytest
 from websockets.sync.client import connect
 
-from walking_console.server.launch import ServeOptions, log_to_stderr
+from walking_console.server.launch import app_settings, log_to_stderr
+from walking_console.server.serve_options import LogLevel, ServeOptions
 
 COMMAND = (sys.executable, "-m", "walking_console", "--no-open", "--scenario", "flat")
 
@@ -43,12 +46,17 @@ def test_it_prints_one_address_answers_there_and_ends_in_time_whatever_is_open(
         port = int(url.rsplit(":", 1)[1])
         health = httpx.get(f"{url}/api/v1/health").json()
         assert health["ok"], health
-        with connect(f"ws://127.0.0.1:{port}/drive", origin=url, compression="deflate") as drive:  # type: ignore[arg-type]
+        with connect(
+            f"ws://127.0.0.1:{port}/drive",
+            origin=url,  # type: ignore[arg-type]
+            compression="deflate",
+        ) as drive:
             assert drive.protocol.extensions == [], "a compressed frame can be a bomb"
             assert "hello" in str(drive.recv())
             slow = socket.create_connection(("127.0.0.1", port))
             slow.sendall(
-                b"PUT /api/v1/console/command HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 100\r\n\r\n{"
+                b"PUT /api/v1/console/command HTTP/1.1\r\nHost: 127.0.0.1\r\n"
+                b"Content-Length: 100\r\n\r\n{"
             )
             begun = time.monotonic()
             process.send_signal(signal.SIGTERM)
@@ -93,11 +101,11 @@ def test_beyond_loopback_it_refuses_to_start_without_a_token(tmp_path: Path) -> 
 
 
 def test_the_names_it_answers_for_are_those_it_was_asked_to_listen_on() -> None:
-    alone = ServeOptions().app_settings()
+    alone = app_settings(ServeOptions())
     assert alone.hosts == () and not alone.addresses
-    named = ServeOptions(host="robot.lan", token="k" * 40).app_settings()
+    named = app_settings(ServeOptions(host="robot.lan", token="k" * 40))
     assert named.hosts == ("robot.lan", socket.gethostname()) and named.addresses
-    anywhere = ServeOptions(host="0.0.0.0", token="k" * 40).app_settings()
+    anywhere = app_settings(ServeOptions(host="0.0.0.0", token="k" * 40))
     assert anywhere.hosts == (socket.gethostname(),) and anywhere.token == "k" * 40
 
 
@@ -108,7 +116,7 @@ def test_what_happens_is_said_on_standard_error_from_the_chosen_level_on(
     before = ours.handlers[:], ours.level
     ours.handlers.clear()
     try:
-        log_to_stderr("info")
+        log_to_stderr(LogLevel.INFO)
         logging.getLogger("walking_console.server.launch").info("here")
         logging.getLogger("walking_console.server.launch").debug("not here")
     finally:

@@ -137,7 +137,8 @@ HARMLESS = [
     CAMERA,
     {"type": "GuiUpdateMessage", "uuid": "a", "updates": {"value": True}},
     {
-        "type": "SceneNodeClickMessage", "name": "/ground", "instance_index": None, "ray_origin": [0.0, 0.0, 1.0],
+        "type": "SceneNodeClickMessage", "name": "/ground", "instance_index": None,
+        "ray_origin": [0.0, 0.0, 1.0],
         "ray_direction": [0.0, 0.0, -1.0], "screen_pos": [0.5, 0.5], "modifier": None, "owner": "",
     },
 ]  # fmt: skip
@@ -149,8 +150,8 @@ HARMFUL = [
     {"type": "GuiUpdateMessage", "uuid": "a", "updates": {}},
     {"type": "GuiUpdateMessage", "uuid": ["a"], "updates": {"value": 1}},
     {"type": "GuiUpdateMessage", "uuid": "a", "updates": ["value"]},
-    {"type": "FileTransferStartUpload", "source_component_uuid": "a", "transfer_uuid": "b", "filename": "c", "mime_type": "d",
-     "part_count": 1, "size_bytes": 10**9},
+    {"type": "FileTransferStartUpload", "source_component_uuid": "a", "transfer_uuid": "b",
+     "filename": "c", "mime_type": "d", "part_count": 1, "size_bytes": 10**9},
     {"type": "RunJavascriptMessage", "source": "alert(1)"},
     {"type": "GuiFormSubmitMessage", "uuid": "a"},
     {"type": "NoSuchMessage"},

@@ -1,4 +1,6 @@
-"""The /drive WebSocket in process: lease, refusals, snapshots, and what a hostile client may send."""
+"""The /drive WebSocket in process: lease, refusals, snapshots, and what a hostile client may
+send.
+"""
 
 import json
 from collections.abc import Iterator
@@ -197,7 +199,7 @@ BAD += [
 BAD += [(STICK % word, "not a number") for word in ("NaN", "Infinity", "-Infinity")]
 BAD += [
     (
-        '{"seq": 1.5, "echo_tick": 0, "crab_angle_rad": 0.0, "speed_m_s": 0.0, "turn_rate_rad_s": 0.0}',
+        (STICK % "0.0").replace('"seq": 5', '"seq": 1.5'),
         "seq",
     )
 ]
