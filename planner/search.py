@@ -1,9 +1,9 @@
-"""Several steps ahead: roll choices out, keep the best. Bounded by count, never by the clock, so
+"""Several steps ahead: roll candidates out, keep the best. Bounded by count, never by the clock, so
 that a walk can be repeated.
 
-This file knows neither legs nor ground: states and choices are the planner's own. Both searches are
-generators that pause after each piece of work; ``send(True)`` says that the answer is wanted now,
-and they finish with the best found so far.
+This file knows neither legs nor ground: nodes and candidates are the planner's own. Both searches
+are generators that pause after each slice of work; ``send(True)`` says that the answer is wanted
+now, and they finish with the best found so far.
 """
 
 from __future__ import annotations
@@ -19,24 +19,24 @@ C = TypeVar("C")
 
 
 class Option(NamedTuple, Generic[S, C]):
-    """One choice in a state: where it leads, what the step gains, and what the place reached
-    promises.
+    """One candidate from a node: where it leads, what the step gains, and the heuristic worth of
+    the node reached.
     """
 
-    choice: C
-    state: S
+    candidate: C
+    node: S
     gain: float  # m
-    promise: float  # m
+    heuristic: float  # m
 
 
 @dataclass(frozen=True, slots=True)
 class Branch(Generic[S, C]):
-    """A way through the tree of choices: only its first choice will be taken."""
+    """A way through the tree of candidates: only its first will be taken."""
 
     first: C
-    state: S
+    node: S
     gain: float  # m, of all its steps
-    score: float  # m, the gain and what its end promises
+    score: float  # m, the gain and the heuristic worth of its end
     steps: int
 
     def pace(self, horizon: int) -> float:
@@ -62,31 +62,31 @@ def beam(
     """Look ``depth`` steps ahead, going on from the ``width`` best of each depth; where none goes
     on, those reached before.
 
-    Behind the ways that came farthest stand all first steps, for what they promised. Pauses after
-    each state looked at.
+    Behind the ways that came farthest stand all first steps, by their heuristic. Pauses after each
+    node looked at.
     """
     found = [
-        Branch(choice, state, gain, gain + promise, 1)
-        for choice, state, gain, promise in options(start, 0)
+        Branch(candidate, node, gain, gain + heuristic, 1)
+        for candidate, node, gain, heuristic in options(start, 0)
     ]
     begun = ranked(found)
     level = begun[:width]
-    hurried = yield
+    wanted_now = yield
     for depth_now in range(1, depth):
-        if hurried and level:
+        if wanted_now and level:
             break
         found = []
         for branch in level:
-            for _, state, gain, promise in options(branch.state, depth_now):
+            for _, node, gain, heuristic in options(branch.node, depth_now):
                 gain += branch.gain
-                found.append(Branch(branch.first, state, gain, gain + promise, depth_now + 1))
-            hurried = (yield) or hurried
-            if hurried:
+                found.append(Branch(branch.first, node, gain, gain + heuristic, depth_now + 1))
+            wanted_now = (yield) or wanted_now
+            if wanted_now:
                 break
-        if hurried or not found:
+        if wanted_now or not found:
             break
         level = ranked(found)[:width]
-    return Found([*level, *begun], not hurried or not level)
+    return Found([*level, *begun], not wanted_now or not level)
 
 
 def rollouts(
@@ -98,19 +98,22 @@ def rollouts(
 ) -> Search[S, C]:
     """Take each option, then follow the policy for ``steps`` steps. Pauses after each option.
 
-    Each option comes with the first choice it stands for; ``gained`` in ``before`` steps counts for
-    all of them.
+    Each option comes with the first candidate it stands for; ``gained`` in ``before`` steps counts
+    for all of them.
     """
     found: list[Branch[S, C]] = []
     for option, first in options:
-        state, gain, taken = option.state, gained + option.gain, before + 1
+        node = option.node
+        gain = gained + option.gain
+        taken = before + 1
         for _ in range(steps):
-            ahead = policy(state)
+            ahead = policy(node)
             if ahead is None:
                 break
-            state, more = ahead
-            gain, taken = gain + more, taken + 1
-        found.append(Branch(first, state, gain, gain + option.promise, taken))
+            node, more = ahead
+            gain += more
+            taken += 1
+        found.append(Branch(first, node, gain, gain + option.heuristic, taken))
         if (yield):
             return Found(ranked(found), False)
     return Found(ranked(found), True)
@@ -122,7 +125,7 @@ def ranked(branches: list[Branch[S, C]]) -> list[Branch[S, C]]:
 
 
 def firsts(branches: Iterable[Branch[S, C]]) -> list[Branch[S, C]]:
-    """Of each first choice only the branch that comes first."""
+    """Of each first candidate only the branch that comes first."""
     best: dict[int, Branch[S, C]] = {}
     for branch in branches:
         best.setdefault(id(branch.first), branch)

@@ -11,10 +11,13 @@ from ..geometry.paths import line_exit
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
 from ..types import Blocked, Command, Gait, Stance, StepPlan
-from .foothold_search import Landing, ground_of
-from .gait import SUCCESSOR, Posture, Standard, posture_of, standard_for
-from .leg_selection import Shift, Step, exits_of, planned_margin, shift_of
-from .planner import Ahead, build
+from .decision_log import DecisionLog, StepRefusal
+from .foothold_checks import FootholdChecks
+from .foothold_search import foothold_map
+from .gait import SUCCESSOR, NominalGait, Posture, nominal_gait, posture_of
+from .leg_selection import exits_of, planned_margin, shift_of
+from .step_plans import build
+from .steps import Landing, Shift, SwingStep
 
 FIRST = 0  # H's leg 1 begins
 
@@ -29,42 +32,36 @@ def plan_step(
     explain: bool = False,
 ) -> StepPlan | Blocked:
     """The next leg of the standard sequence, swung as far as it reaches, or why it cannot."""
-    standard = standard_for(machine, gait, command.crab_angle, stance.quarter_turns)
-    posture = posture_of(standard, stance)
-    notes = (
-        {"crab_angle": command.crab_angle, "quarter_turns": standard.quarter_turns}
-        if explain
-        else None
-    )
+    nominal = nominal_gait(machine, gait, command.crab_angle, stance.quarter_turns)
+    posture = posture_of(nominal, stance)
+    log: DecisionLog | None = None
+    if explain:
+        log = {"crab_angle": command.crab_angle, "quarter_turns": nominal.quarter_turns}
     leg = SUCCESSOR[posture.last] if posture.last >= 0 else FIRST
-    shift = shift_of(standard, posture, exits_of(standard, posture), leg)
-    if isinstance(shift, str):
-        return Blocked(shift, standard.body_leg[leg], notes)
-    step = longest_step(standard, posture, shift)
-    if not ground_of(terrain).allows(step.landing.ax, step.landing.ay):
-        return Blocked(
-            "the foot would come down on a prohibited cell", standard.body_leg[leg], notes
-        )
-    ahead = Ahead(standard, posture, stance, terrain, machine, gait)
-    low, high = ahead.height_limits(leg, step.g0, step.g, step.landing)
-    height = ahead.height_after(leg, step.g, step.landing, low, high)
-    return build(standard, posture, stance, step, height, ahead, command, machine, gait, notes)
+    shift = shift_of(nominal, posture, exits_of(nominal, posture), leg)
+    if isinstance(shift, StepRefusal):
+        return Blocked(shift.value, nominal.body_leg[leg], log)
+    step = longest_step(nominal, posture, shift)
+    if not foothold_map(terrain).allows(step.landing.ax, step.landing.ay):
+        reason = "the foot would come down on a prohibited cell"
+        return Blocked(reason, nominal.body_leg[leg], log)
+    checks = FootholdChecks(nominal, posture, stance, terrain, machine, gait)
+    return build(checks, step, checks.height_after(step, step.landing), command.speed, log)
 
 
-def longest_step(standard: Standard, posture: Posture, shift: Shift) -> Step:
+def longest_step(nominal: NominalGait, posture: Posture, shift: Shift) -> SwingStep:
     """The foot straight on along the course, to the far side of its reach when the body has gone g."""
-    (fx, fy), box, g = posture.feet[shift.leg], standard.boxes[shift.leg], shift.g
-    sx, sy = fx - g * standard.ux, fy - g * standard.uy  # as the body will see the foot at N_{k+1}
-    inside = min(max(sx, box[0]), box[1]), min(max(sy, box[2]), box[3])
+    ux, uy, _ = nominal.path
+    box = nominal.boxes[shift.leg]
+    fx, fy = posture.feet[shift.leg]
+    g = shift.g
+    # as the body will see the foot at N_{k+1}
+    inside_x = min(max(fx - g * ux, box[0]), box[1])
+    inside_y = min(max(fy - g * uy, box[2]), box[3])
     # the body's exit backwards is the foot's way forward
-    way = line_exit(*inside, box, -standard.ux, -standard.uy)
-    x, y = inside[0] + (g + way) * standard.ux, inside[1] + (g + way) * standard.uy
-    return Step(
-        shift.leg,
-        shift.g0,
-        g,
-        (x, y),
-        Landing(x, y, *posture.absolute(x, y)),
-        planned_margin(standard, posture, shift),
-        False,
-    )
+    way = line_exit(inside_x, inside_y, box, -ux, -uy)
+    x = inside_x + (g + way) * ux
+    y = inside_y + (g + way) * uy
+    landing = Landing(x, y, *posture.absolute(x, y))
+    margin = planned_margin(nominal, posture, shift)
+    return SwingStep(shift.leg, shift.g0, g, (x, y), landing, margin, False)

@@ -9,17 +9,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ..geometry.paths import Box, line_exit
+from ..geometry.polygons import clipped, nearest_of
 from ..stability import XY
 from ..terrain.map import TerrainMap
-from .gait import FRONT_ACROSS, IS_FRONT, IS_LEFT, PREDECESSOR, REAR_ACROSS, Posture, Standard
+from .decision_log import DecisionLog, StepRefusal, note_cell
+from .gait import FRONT_ACROSS, IS_FRONT, IS_LEFT, PREDECESSOR, REAR_ACROSS, NominalGait, Posture
+from .steps import Landing
 
 NEAR = 1e-9  # m; rounding: a point this far outside a limit is on it
+NOWHERE = math.inf, -math.inf  # an empty interval
+# looked up once: asked for every cell, and members of an Enum are found slowly
+OUT_OF_REACH = StepRefusal.OUT_OF_REACH
+METHOD_I = StepRefusal.METHOD_I
+METHOD_II = StepRefusal.METHOD_II
+METHOD_III = StepRefusal.METHOD_III
 
 
-class Ground(NamedTuple):
+class FootholdMap(NamedTuple):
     """What landing asks of the map, as plain values: one byte a cell, 1 where a foot must not land."""
 
     forbidden: bytes
@@ -31,21 +40,13 @@ class Ground(NamedTuple):
 
     def allows(self, ax: float, ay: float) -> bool:
         """True when the cell under an absolute point is on the map and not prohibited."""
-        column, row = math.floor((ax - self.x) / self.cell), math.floor((ay - self.y) / self.cell)
+        column = math.floor((ax - self.x) / self.cell)
+        row = math.floor((ay - self.y) / self.cell)
         return (
             0 <= column < self.columns
             and 0 <= row < self.rows
             and not self.forbidden[row * self.columns + column]
         )
-
-
-class Landing(NamedTuple):
-    """A foothold: in the canonical frame E_k and in the absolute one."""
-
-    x: float
-    y: float
-    ax: float
-    ay: float
 
 
 class Domain(NamedTuple):
@@ -58,6 +59,7 @@ class Domain(NamedTuple):
     uy: float
     box: Box  # u's reach as projected to N_{k+1}, in E_k
     now: Box  # u's reach at N_k: what g_u(P) is measured with
+    g: float  # how far the body goes
     left: bool  # method III: u stays on this side of L_G
     hind: bool  # methods I and II are for hind legs
     f_along: float  # f̄
@@ -65,24 +67,27 @@ class Domain(NamedTuple):
     limit: float  # method I: the least of g of f̄ and g of r̄
     least: float  # method II: g, or -inf when it is not asked for
 
+    def beside(self, across: float) -> bool:
+        """True on the wrong side of L_G (method III)."""
+        return across < -NEAR if self.left else across > NEAR
+
     def crossing(self, x: float, y: float) -> float:
         """D_X(P): where L_G meets the line through f̄ and P; inf when they are parallel."""
-        across, along = self.ux * y - self.uy * x, self.ux * x + self.uy * y
+        across = self.ux * y - self.uy * x
+        along = self.ux * x + self.uy * y
         spread = across - self.f_across
         if abs(spread) < 1e-12:
             return math.inf
         return (self.f_along * across - along * self.f_across) / spread
 
-    def refuses(self, x: float, y: float) -> str | None:
+    def refuses(self, x: float, y: float) -> StepRefusal | None:
         """Why the point is not in D_u; None when it is."""
-        if not (
-            self.box[0] - NEAR <= x <= self.box[1] + NEAR
-            and self.box[2] - NEAR <= y <= self.box[3] + NEAR
-        ):
-            return "out of reach"
+        x1, x2, y1, y2 = self.box
+        if not (x1 - NEAR <= x <= x2 + NEAR and y1 - NEAR <= y <= y2 + NEAR):
+            return OUT_OF_REACH
         across = self.ux * y - self.uy * x
         if (across < -NEAR) if self.left else (across > NEAR):
-            return "on the other side of the course (method III)"
+            return METHOD_III
         if not self.hind:
             return None
         crossing = self.crossing(x, y)
@@ -90,15 +95,15 @@ class Domain(NamedTuple):
             crossing > self.limit + NEAR
             or crossing > line_exit(x, y, self.now, self.ux, self.uy) + NEAR
         ):
-            return "the hind leg after next could not swing (method I)"  # H §5.3.1 (15)-(18)
+            return METHOD_I  # H §5.3.1 (15)-(18)
         if crossing < self.least - NEAR:
-            return "the front leg of this side could not swing next (method II)"  # H §5.3.2
+            return METHOD_II  # H §5.3.2
         return None
 
 
-def ground_of(terrain: TerrainMap) -> Ground:
+def foothold_map(terrain: TerrainMap) -> FootholdMap:
     """The landing view of a map."""
-    return Ground(
+    return FootholdMap(
         terrain.forbidden_bytes,
         terrain.rows,
         terrain.columns,
@@ -109,7 +114,7 @@ def ground_of(terrain: TerrainMap) -> Ground:
 
 
 def domain_of(
-    standard: Standard,
+    nominal: NominalGait,
     feet: tuple[XY, ...],
     exits: tuple[float, ...],
     leg: int,
@@ -117,9 +122,10 @@ def domain_of(
     convergent: bool,
 ) -> Domain:
     """D_u of ``leg`` when the body goes g; ``convergent`` asks for method II as well."""
-    ux, uy = standard.ux, standard.uy
-    x1, x2, y1, y2 = now = standard.boxes[leg]
-    dx, dy = g * ux, g * uy
+    ux, uy, _ = nominal.path
+    x1, x2, y1, y2 = now = nominal.boxes[leg]
+    dx = g * ux
+    dy = g * uy
     fx, fy = feet[FRONT_ACROSS[leg]]
     hind = not IS_FRONT[leg]
     return Domain(
@@ -128,6 +134,7 @@ def domain_of(
         uy,
         (x1 + dx, x2 + dx, y1 + dy, y2 + dy),
         now,
+        g,
         IS_LEFT[leg],
         hind,
         ux * fx + uy * fy,
@@ -138,29 +145,48 @@ def domain_of(
 
 
 def landings(
-    standard: Standard,
+    nominal: NominalGait,
     posture: Posture,
     domain: Domain,
     exits: tuple[float, ...],
-    g: float,
-    ground: Ground,
-    trial: dict[str, Any] | None = None,
+    cells: FootholdMap,
+    trial: DecisionLog | None = None,
 ) -> Iterator[tuple[XY, Landing]]:
     """I_u and the footholds in D_u, in the order of H §5.5; the first is J_u. I_u itself comes
     exactly where its cell is free.
     """
-    cx, cy = standard.centres[domain.leg]
-    low, high = stroke_in(standard, domain, g)
-    phase = phase_point(standard, posture, exits, domain.leg)
+    start = search_start(nominal, posture, domain, exits, trial)
+    if start is None:
+        return
+    ax, ay = posture.absolute(*start)
+    if domain.refuses(*start) is None:
+        if cells.allows(ax, ay):
+            yield start, Landing(start[0], start[1], ax, ay)
+        elif trial is not None:
+            note_cell(trial, ax, ay, StepRefusal.PROHIBITED)
+    for landing in cells_from(posture, domain, (ax, ay), cells, trial):
+        yield start, landing
+
+
+def search_start(
+    nominal: NominalGait,
+    posture: Posture,
+    domain: Domain,
+    exits: tuple[float, ...],
+    trial: DecisionLog | None = None,
+) -> XY | None:
+    """I_u: on the stroke line where it meets D_u, else the point of D_u nearest to the phase point;
+    None where D_u is empty.
+    """
+    cx, cy = nominal.centres[domain.leg]
+    low, high = stroke_in(nominal, domain)
+    phase = phase_point(nominal, exits, domain.leg)
     if low <= high:
-        ahead = _on_stroke(standard, posture, domain.leg, phase, low, high)
-        start = cx + ahead * domain.ux, cy + ahead * domain.uy
+        ahead = _on_stroke(nominal, posture, domain.leg, phase, low, high)
+        start: XY | None = (cx + ahead * domain.ux, cy + ahead * domain.uy)
     else:
-        nearest = nearest_in(domain, cx + phase * domain.ux, cy + phase * domain.uy)
-        if nearest is None:
-            return
-        start = nearest
-    if trial is not None:
+        start = nearest_in(domain, cx + phase * domain.ux, cy + phase * domain.uy)
+    if trial is not None and start is not None:
         trial["domain"] = {
             "stroke": [low, high] if low <= high else None,  # null: the stroke line misses D_u
             "phase": phase,
@@ -168,63 +194,60 @@ def landings(
             "crossing_min": domain.least if domain.least > -math.inf else None,
         }
         trial["search_start"] = list(posture.absolute(*start))
-    ax, ay = posture.absolute(*start)
-    if domain.refuses(*start) is None:
-        if ground.allows(ax, ay):
-            yield start, Landing(start[0], start[1], ax, ay)
-        elif trial is not None:
-            trial["refused"].append({"x": ax, "y": ay, "reason": "prohibited cell"})
-    for landing in cells_from(posture, domain, (ax, ay), ground, trial):
-        yield start, landing
+    return start
 
 
-def phase_point(standard: Standard, posture: Posture, exits: tuple[float, ...], leg: int) -> float:
-    """Where on the stroke line the phase-maintaining method puts u, as a distance ahead of C_u (H
-    §5.4, table 2).
+def phase_point(nominal: NominalGait, exits: tuple[float, ...], leg: int) -> float:
+    """Where on its stroke the phase-maintaining method puts u, as a distance along the path ahead
+    of C_u (H §5.4, table 2).
 
-    There u leaves its reach later than u* by exactly the standard phase difference.
+    There u leaves its stroke later than u* by exactly the nominal phase difference.
     """
-    return exits[PREDECESSOR[leg]] + standard.lags[leg] - standard.stride / 2
+    before = nominal.order.predecessor[leg]
+    return exits[before] - nominal.spares[before] + nominal.lags[leg] - nominal.ends[leg]
 
 
 def _on_stroke(
-    standard: Standard, posture: Posture, leg: int, phase: float, low: float, high: float
+    nominal: NominalGait, posture: Posture, leg: int, phase: float, low: float, high: float
 ) -> float:
     """I_u on the stroke line: the nearer of the two phase points if it is in D_u, else the farther,
     else the most forward in D_u.
     """
     if low - NEAR <= phase <= high + NEAR:
         return phase
+    ux, uy, _ = nominal.path
     before = PREDECESSOR[leg]
-    (fx, fy), box = posture.feet[before], standard.boxes[before]
-    later = max(line_exit(fx, fy, box, standard.ux, 0.0), line_exit(fx, fy, box, 0.0, standard.uy))
-    other = later + standard.lags[leg] - standard.stride / 2
+    fx, fy = posture.feet[before]
+    box = nominal.boxes[before]
+    later = max(line_exit(fx, fy, box, ux, 0.0), line_exit(fx, fy, box, 0.0, uy))
+    other = later + nominal.lags[leg] - nominal.ends[leg]
     return other if low <= other <= high else high
 
 
-def stroke_in(standard: Standard, domain: Domain, g: float) -> tuple[float, float]:
-    """The part of the standard stroke line of u inside D_u, as distances ahead of C_u; low > high
+def stroke_in(nominal: NominalGait, domain: Domain) -> tuple[float, float]:
+    """The part of the nominal stroke line of u inside D_u, as distances ahead of C_u; low > high
     when the line misses D_u.
     """
-    (cx, cy), half = standard.centres[domain.leg], standard.stride / 2
-    low, high = g - half, g + half
-    across, along = domain.ux * cy - domain.uy * cx, domain.ux * cx + domain.uy * cy
-    if (across < -NEAR) if domain.left else (across > NEAR):
-        return math.inf, -math.inf
+    cx, cy = nominal.centres[domain.leg]
+    end = nominal.ends[domain.leg]
+    low = domain.g - end
+    high = domain.g + (nominal.stride - end)
+    across = domain.ux * cy - domain.uy * cx
+    along = domain.ux * cx + domain.uy * cy
+    if domain.beside(across):
+        return NOWHERE
     if not domain.hind:
         return low, high
     spread = across - domain.f_across
     if abs(spread) < 1e-12:
-        return math.inf, -math.inf
+        return NOWHERE
     # D_X = base + slope·t
-    base, slope = (
-        (domain.f_along * across - along * domain.f_across) / spread,
-        -domain.f_across / spread,
-    )
+    base = (domain.f_along * across - along * domain.f_across) / spread
+    slope = -domain.f_across / spread
     # each a·t <= b
     for a, b in (
         (slope, domain.limit - base),
-        (slope - 1.0, half - base),
+        (slope - 1.0, end - base),
         (-slope, base - domain.least),
     ):
         if a > 1e-12:
@@ -232,8 +255,8 @@ def stroke_in(standard: Standard, domain: Domain, g: float) -> tuple[float, floa
         elif a < -1e-12:
             low = max(low, b / a)
         elif b < -NEAR:
-            return math.inf, -math.inf
-    return (low, high) if low <= high + NEAR else (math.inf, -math.inf)
+            return NOWHERE
+    return (low, high) if low <= high + NEAR else NOWHERE
 
 
 def nearest_in(domain: Domain, x: float, y: float) -> XY | None:
@@ -266,39 +289,12 @@ def corners_of(domain: Domain) -> list[XY]:
     return corners
 
 
-def clipped(corners: list[XY], a: float, b: float, c: float) -> list[XY]:
-    """The part of a convex polygon where a·x + b·y + c >= 0; rounding must not lose a D_u that is a
-    mere line (I meets II).
-    """
-    kept: list[XY] = []
-    for (px, py), (qx, qy) in zip(corners, corners[1:] + corners[:1], strict=True):
-        p, q = a * px + b * py + c, a * qx + b * qy + c
-        if p >= -NEAR / 4:
-            kept.append((px, py))
-        if (p > NEAR / 4 and q < -NEAR / 4) or (p < -NEAR / 4 and q > NEAR / 4):
-            w = p / (p - q)
-            kept.append((px + w * (qx - px), py + w * (qy - py)))
-    return kept
-
-
-def nearest_of(corners: list[XY], x: float, y: float) -> XY:
-    best, least = corners[0], math.inf
-    inside, apart = True, False  # a polygon that is a mere line has no inside
-    for (px, py), (qx, qy) in zip(corners, corners[1:] + corners[:1], strict=True):
-        ex, ey = qx - px, qy - py
-        left = ex * (y - py) - ey * (x - px)
-        inside, apart = inside and left >= 0.0, apart or left > 0.0
-        length = ex * ex + ey * ey
-        w = min(1.0, max(0.0, ((x - px) * ex + (y - py) * ey) / length)) if length > 0.0 else 0.0
-        nx, ny = px + w * ex, py + w * ey
-        away = (nx - x) ** 2 + (ny - y) ** 2
-        if away < least:
-            best, least = (nx, ny), away
-    return (x, y) if inside and apart else best
-
-
 def cells_from(
-    posture: Posture, domain: Domain, start: XY, ground: Ground, trial: dict[str, Any] | None = None
+    posture: Posture,
+    domain: Domain,
+    start: XY,
+    cells: FootholdMap,
+    trial: DecisionLog | None = None,
 ) -> Iterator[Landing]:
     """Centres of the free cells in D_u in the order of H §5.5.
 
@@ -306,46 +302,61 @@ def cells_from(
     behind and ahead in turn, each from the cell on the stroke line. The map's axis nearest to the
     course plays the part of "ahead".
     """
-    forbidden, rows, columns, cell, ox, oy = ground
-    c, s = posture.c, posture.s
-    x1, x2, y1, y2 = domain.box
-    mx, my = posture.absolute((x1 + x2) / 2, (y1 + y2) / 2)
-    hx, hy = (x2 - x1) / 2, (y2 - y1) / 2
-    half_x, half_y = abs(c) * hx + abs(s) * hy, abs(s) * hx + abs(c) * hy
-    spans = (
-        _span(mx - half_x, mx + half_x, ox, cell, columns),
-        _span(my - half_y, my + half_y, oy, cell, rows),
-    )
-    # the course in the absolute frame
-    vx, vy = c * domain.ux - s * domain.uy, s * domain.ux + c * domain.uy
-    lengthwise = abs(vx) >= abs(vy)
-    ahead, beside = spans if lengthwise else spans[::-1]
+    forbidden, _, columns, cell, ox, oy = cells
+    lengthwise, ahead, beside, a0, b0, slope, forward = _rows(posture, domain, start, cells)
     if ahead[0] > ahead[1] or beside[0] > beside[1]:
         return
-    a0, b0 = (start[0] - ox) / cell, (start[1] - oy) / cell
-    if not lengthwise:
-        a0, b0 = b0, a0
-    slope = vy / vx if lengthwise else vx / vy
-    forward = 1 if (vx if lengthwise else vy) > 0.0 else -1
-    first = math.floor(a0)
-    bx, by = posture.x, posture.y
+    c = posture.c
+    s = posture.s
     refuses = domain.refuses
-    for row in _outward(first, ahead[0], ahead[1], -forward):
+    first = math.floor(a0)
+    for row in _outward(first, *ahead, -forward):
         middle = math.floor(b0 if row == first else b0 + slope * (row + 0.5 - a0))
-        for place in _outward(middle, beside[0], beside[1], 1):
+        for place in _outward(middle, *beside, 1):
             column, line = (row, place) if lengthwise else (place, row)
-            if forbidden[line * columns + column] and trial is None:
+            prohibited = forbidden[line * columns + column]
+            if prohibited and trial is None:
                 continue
-            ax, ay = ox + (column + 0.5) * cell, oy + (line + 0.5) * cell
-            dx, dy = ax - bx, ay - by
-            px, py = c * dx + s * dy, c * dy - s * dx
+            ax = ox + (column + 0.5) * cell
+            ay = oy + (line + 0.5) * cell
+            dx = ax - posture.x
+            dy = ay - posture.y
+            px = c * dx + s * dy
+            py = c * dy - s * dx
             if refuses(px, py) is not None:
                 continue
-            if forbidden[line * columns + column]:
-                if trial is not None:
-                    trial["refused"].append({"x": ax, "y": ay, "reason": "prohibited cell"})
+            if prohibited:
+                note_cell(trial, ax, ay, StepRefusal.PROHIBITED)
                 continue
             yield Landing(px, py, ax, ay)
+
+
+# The rows of cells across a course, counted along the map's axis nearest to it: whether that axis is
+# x; first and last row; first and last cell of a row; the search start in cells, along the axis and
+# across it; cells of the course across for each along; its direction along the axis, 1 or -1.
+CellRows = tuple[bool, tuple[int, int], tuple[int, int], float, float, float, int]
+
+
+def _rows(posture: Posture, domain: Domain, start: XY, cells: FootholdMap) -> CellRows:
+    _, rows, columns, cell, ox, oy = cells
+    c = posture.c
+    s = posture.s
+    x1, x2, y1, y2 = domain.box
+    mx, my = posture.absolute((x1 + x2) / 2, (y1 + y2) / 2)
+    hx = (x2 - x1) / 2
+    hy = (y2 - y1) / 2
+    half_x = abs(c) * hx + abs(s) * hy
+    half_y = abs(s) * hx + abs(c) * hy
+    along_x = _span(mx - half_x, mx + half_x, ox, cell, columns)
+    along_y = _span(my - half_y, my + half_y, oy, cell, rows)
+    # the course in the absolute frame
+    vx = c * domain.ux - s * domain.uy
+    vy = s * domain.ux + c * domain.uy
+    a0 = (start[0] - ox) / cell
+    b0 = (start[1] - oy) / cell
+    if abs(vx) >= abs(vy):
+        return True, along_x, along_y, a0, b0, vy / vx, 1 if vx > 0.0 else -1
+    return False, along_y, along_x, b0, a0, vx / vy, 1 if vy > 0.0 else -1
 
 
 def _span(low: float, high: float, origin: float, cell: float, count: int) -> tuple[int, int]:

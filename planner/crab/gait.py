@@ -1,24 +1,35 @@
-"""The standard crab walk (H §4.3): any crab angle folded into one quadrant, its stroke, its layout,
-its margin.
+"""The nominal gait along a path: the stroke of its legs, their order and phases, its layout, its
+margin. On a line it is the standard crab walk of H §4.3.
 
-Everything in ``planner.crab`` below ``plan`` thinks in the *canonical* frame: the body frame turned
-by n quarter turns so that the crab angle lies within ±α_c' (H table 1), legs relabelled by quadrant
-there: 0 FL, 1 RL, 2 RR, 3 FR of the way ahead. ``Standard`` is all of it that depends on machine,
-gait and crab angle only; it is computed once and kept.
+A path is a line or an arc (a line is an arc of turn 0), and one description serves both. Everything
+in this folder thinks in the *gait frame*. On a line that is the canonical frame: the body frame
+turned by n quarter turns so that the crab angle lies within ±α_c' (H table 1), legs relabelled by
+quadrant there: 0 FL, 1 RL, 2 RR, 3 FR of the way ahead. On an arc it is the body frame itself
+(n = 0): where the body turns tightly no quadrant is ahead. The order and the phases of the legs are
+H's on a line; on an arc they are those with which the centre of gravity keeps farthest inside every
+triangle in turn: on the spot the legs go round one after the other, on a wide arc as H has them.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import permutations
 from typing import NamedTuple
 
-from ..geometry.paths import Box
+from ..geometry.paths import ArcPath, Box, arc_exit
+from ..geometry.transforms import direction, left_fold_sum
+from ..motion.strides import (
+    critical_angle,
+    mechanical_boxes,
+    planning_boxes,
+    stroke_length,
+)
 from ..robot.model import Machine
-from ..stability import XY
-from ..types import Gait, Point, Stance
+from ..stability import XY, polygon_margin, support_polygon
+from ..types import Gait, Stance
 
 QUARTER = math.pi / 2
 # rad (0.5°) beyond α_c before the gait turns over; smaller: see the legs regroup as the stick
@@ -27,16 +38,10 @@ HYSTERESIS = 0.009
 # rad; the course keeps this far from α_c, where the CoG would pass over a foot and no triangle can
 # be entered
 TIE = 0.001
-AGREEMENT = 0.05  # of λ*; two legs standing closer than this to the standard layout agree with it
-# m; reach kept beyond the strokes for vertical lifting while the body moves; less and v_max
-# collapses
-LEAN = 0.02
-# m; the same where legs stretch to the mechanical limit (``escape``): the body goes 0.016 m/s as a
-# foot comes down
-STRETCH_LEAN = 0.005
+AGREEMENT = 0.05  # of λ*; two legs standing closer than this to the nominal layout agree with it
 
-# Leg roles, canonical and 0-based. The walk goes 1-3-4-2 in H's numbers: a hind leg, then the front
-# leg of its side.
+# Leg roles in the gait frame, 0-based. The walk on a line goes 1-3-4-2 in H's numbers: a hind leg,
+# then the front leg of its side.
 SUCCESSOR = (2, 0, 3, 1)
 PREDECESSOR = (1, 3, 0, 2)  # u* of H table 2
 IS_FRONT = (True, False, False, True)
@@ -46,106 +51,141 @@ FRONT_ACROSS = (3, 3, 0, 0)  # f̄, the front leg on the other side
 REAR_ACROSS = (2, 2, 1, 1)  # r̄
 MATES = (3, 2, 1, 0)  # the other leg of the fore pair or of the hind pair
 SAME_SIDE = (1, 0, 3, 2)
+BODY_LEGS = ((0, 1, 2, 3), (1, 2, 3, 0), (2, 3, 0, 1), (3, 0, 1, 2))  # by n, gait leg -> body leg
 
-Pair = tuple[int, int, float, float]  # legs i, j and the standard displacement from j to i
+STROKE_MAX = 1.0  # m of s on an arc; on a circle about itself a foot would never leave its reach
+SHARES = (  # of the four-leg time, in quarters, before each swing
+    (1, 1, 1, 1), (2, 0, 2, 0), (0, 2, 0, 2), (4, 0, 0, 0), (0, 4, 0, 0), (0, 0, 4, 0), (0, 0, 0, 4),
+)  # fmt: skip
+LOOKS = (0.0, 0.5, 1.0)  # of a swing, at which the margin is looked at
+GRAIN = math.radians(5.0)  # arcs this alike share order and phases
+
+LegPair = tuple[int, int, float, float]  # legs i, j and the nominal displacement from j to i
+
+
+class LegOrder(NamedTuple):
+    """Who swings after whom, when each leg lands, and the least margin this leaves."""
+
+    successor: tuple[int, ...]
+    predecessor: tuple[int, ...]  # u*
+    landed: tuple[float, ...]  # [leg], cycles
+    margin: (
+        float  # m: longitudinal (s0) on a line, of the polygon on an arc; negative: it must shift
+    )
+
+
+class Strokes(NamedTuple):
+    """The stretch of the path every leg can stay on the ground for, lengths in m of s."""
+
+    centres: tuple[XY, ...]  # C_i
+    ends: tuple[float, ...]  # from C_i to the end of the stroke
+    spares: tuple[float, ...]  # from there to the end of the reach
+    length: float  # λ*
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Standard:
-    """The standard crab walk of one machine, gait and crab angle, in the canonical frame. Metres
-    and radians.
+class NominalGait:
+    """The nominal walk of one machine, duty factor and path, in the gait frame. Lengths are metres
+    of s, angles radians.
     """
 
+    path: ArcPath
     quarter_turns: int  # n of H table 1
-    body_leg: tuple[int, ...]  # canonical leg -> leg of the machine
-    crab_angle: float  # folded α, kept off the tie at α_c
     course: float  # the crab angle that is walked, in body axes: the commanded one but for the tie
-    ux: float  # cos α
-    uy: float  # sin α
     duty_factor: float  # β
-    boxes: tuple[Box, ...]  # control reach, canonical legs
+    boxes: tuple[Box, ...]  # reach in which footholds are planned
     far_boxes: tuple[Box, ...]  # mechanical reach
     centres: tuple[XY, ...]  # C_i
+    ends: tuple[float, ...]  # from C_i to the end of the stroke
+    spares: tuple[float, ...]  # from there to the end of the reach; 0 on a line
     stride: float  # λ*
-    margin: float  # s0
-    lags: tuple[float, ...]  # how much later than u* leg u leaves its reach
-    # [u][i]: how far leg i stands ahead of C_i when u swings next
-    offsets: tuple[tuple[float, ...], ...]
-    # [u]: fore or hind pair, left or right pair, among the legs that stay
-    pairs: tuple[tuple[Pair, Pair], ...]
+    order: LegOrder
+    lags: tuple[float, ...]  # how much later than u* leg u leaves its stroke
+    # [u][i]: how far leg i stands ahead of C_i when u has just landed
+    layouts: tuple[tuple[float, ...], ...]
+    # [u]: fore or hind pair, left or right pair, among the legs that stay when u swings next
+    pairs: tuple[tuple[LegPair, LegPair], ...]
+
+    @property
+    def body_leg(self) -> tuple[int, ...]:
+        """Leg of the gait frame -> leg of the machine."""
+        return BODY_LEGS[self.quarter_turns]
+
+    @property
+    def margin(self) -> float:
+        """s0: the least margin of the walk, m."""
+        return self.order.margin
+
+    def layout_before(self, leg: int) -> tuple[float, ...]:
+        """How far every leg stands ahead of its C_i at the switching point where ``leg`` swings
+        next.
+        """
+        return self.layouts[self.order.predecessor[leg]]
 
     def shift_of(self, leg: int) -> float:
-        """g of the standard step of ``leg``: (1-β)/β·λ* for a front leg, (β-1/2)/β·λ* for a hind
-        leg.
+        """g of the nominal step of ``leg``: on a line (1-β)/β·λ* for a front leg, (β-1/2)/β·λ* for
+        a hind leg.
         """
         return self.lags[leg]
 
 
 class Posture(NamedTuple):
-    """The machine seen from above at N_k: where the CoG is, how the canonical frame lies, where the
-    feet are in it.
+    """The machine seen from above at N_k: where the CoG is, how the gait frame lies, where the feet
+    are in it.
     """
 
     x: float
     y: float
-    c: float  # cosine and sine of the canonical frame's heading in the absolute frame
+    c: float  # cosine and sine of the gait frame's heading in the absolute frame
     s: float
-    feet: tuple[XY, ...]  # canonical legs, relative to the CoG
-    last: int  # canonical leg that swung last, -1 for none
+    feet: tuple[XY, ...]  # legs of the gait frame, relative to the CoG
+    last: int  # leg that swung last, -1 for none
 
     def absolute(self, px: float, py: float) -> XY:
-        """A point of the canonical frame in the absolute one."""
+        """A point of the gait frame in the absolute one."""
         return self.x + self.c * px - self.s * py, self.y + self.s * px + self.c * py
 
     def canonical(self, ax: float, ay: float) -> XY:
-        """An absolute point in the canonical frame."""
-        dx, dy = ax - self.x, ay - self.y
+        """An absolute point in the gait frame."""
+        dx = ax - self.x
+        dy = ay - self.y
         return self.c * dx + self.s * dy, self.c * dy - self.s * dx
 
 
-def posture_of(standard: Standard, stance: Stance) -> Posture:
-    """A stance in the canonical frame of ``standard``."""
+def posture_of(nominal: NominalGait, stance: Stance) -> Posture:
+    """A stance in the gait frame of ``nominal``."""
     x, y, _, yaw = stance.body
-    c, s = turned(math.cos(yaw), math.sin(yaw), standard.quarter_turns)
+    c, s = quarter_turned(*direction(yaw), nominal.quarter_turns)
     seen = []
-    for leg in standard.body_leg:
+    for leg in nominal.body_leg:
         px, py, _ = stance.feet[leg]
-        dx, dy = px - x, py - y
+        dx = px - x
+        dy = py - y
         seen.append((c * dx + s * dy, c * dy - s * dx))
     last = stance.last_swing
-    return Posture(
-        x, y, c, s, tuple(seen), (last - standard.quarter_turns) % 4 if last >= 0 else -1
-    )
+    return Posture(x, y, c, s, tuple(seen), (last - nominal.quarter_turns) % 4 if last >= 0 else -1)
 
 
-def stroke_length(x_span: float, y_span: float, crab_angle: float) -> float:
-    """λ*, the longest stroke through the middle of a reach rectangle."""
-    c, s = abs(math.cos(crab_angle)), abs(math.sin(crab_angle))
-    # H §4.3 (1)
-    return min(x_span / c if c > 1e-12 else math.inf, y_span / s if s > 1e-12 else math.inf)
+def quarter_turned(x: float, y: float, n: int) -> XY:
+    """A vector (or a cosine and a sine) turned by n quarter turns, without rounding."""
+    for _ in range(n % 4):
+        x, y = -y, x
+    return x, y
 
 
-def critical_angle(machine: Machine) -> float:
-    """α_c, where the walk along x turns over into the walk along y."""
-    reach = machine.reach
-    return math.atan((reach.y0 + reach.y_span / 2) / (reach.x0 + reach.x_span / 2))  # H §4.3 (2)
-
-
-def standard_margin(stride: float, duty_factor: float) -> float:
-    """s0, the least longitudinal margin of the standard walk; zero at β = 3/4 by design."""
-    return (1.0 - 3.0 / (4.0 * duty_factor)) * stride  # H §4.3 (3)
+# the fold of H table 1
 
 
 def quarter_turns(machine: Machine, crab_angle: float, previous: int = -1) -> int:
     """n of H table 1, 0 to 3. Within the hysteresis of the boundary ``previous`` stays."""
     critical = critical_angle(machine)
-    if (
-        previous >= 0
-        and abs(folded(crab_angle, previous)) <= _half_width(critical, previous) + HYSTERESIS
-    ):
-        return previous
+    if previous >= 0:
+        beyond = abs(folded(crab_angle, previous)) - _half_width(critical, previous)
+        if beyond <= HYSTERESIS:
+            return previous
     for n in range(4):
-        rest, half = folded(crab_angle, n), _half_width(critical, n)
+        rest = folded(crab_angle, n)
+        half = _half_width(critical, n)
         if -half + 1e-12 < rest <= half + 1e-12:
             return n
     return 0  # not reached: the four ranges cover the circle
@@ -163,110 +203,240 @@ def _half_width(critical: float, n: int) -> float:
     return QUARTER - critical if n % 2 else critical
 
 
-def standard_for(
+# the gait on a line and on an arc
+
+
+def nominal_gait(
     machine: Machine, gait: Gait, crab_angle: float, previous: int = -1, stretched: bool = False
-) -> Standard:
-    """The standard walk for a commanded crab angle, staying with ``previous`` quarter turns on the
-    boundary.
+) -> NominalGait:
+    """The nominal walk on a line at a commanded crab angle, staying with ``previous`` quarter turns
+    on the boundary.
 
     ``stretched`` is the walk of legs that reach as far as their mechanism goes, less what lifting
-    needs at least (``escape``).
+    needs at least (``recovery``).
     """
-    return _standard(machine, gait.duty_factor, crab_angle, previous, stretched)
+    return _on_line(machine, gait.duty_factor, crab_angle, previous, stretched)
+
+
+def nominal_gait_on(
+    machine: Machine, gait: Gait, path: ArcPath, crab_angle: float | None = None
+) -> NominalGait:
+    """The nominal walk on an arc, which may be a line, in the body frame; ``crab_angle`` names the
+    course of a turn on the spot, which has no direction.
+    """
+    course = math.atan2(path.uy, path.ux) if crab_angle is None else crab_angle
+    return _on_arc(machine, gait.duty_factor, path, course)
 
 
 @lru_cache(maxsize=512)
-def _standard(
+def _on_line(
     machine: Machine, duty_factor: float, crab_angle: float, previous: int, stretched: bool
-) -> Standard:
+) -> NominalGait:
     n = quarter_turns(machine, crab_angle, previous)
-    asked, widest = folded(crab_angle, n), _half_width(critical_angle(machine), n) - TIE
+    asked = folded(crab_angle, n)
+    widest = _half_width(critical_angle(machine), n) - TIE
     alpha = min(max(asked, -widest), widest)
-    boxes, far_boxes = _canonical_boxes(machine, n, stretched)
-    x_span, y_span = boxes[0][1] - boxes[0][0], boxes[0][3] - boxes[0][2]
-    stride = stroke_length(x_span, y_span, alpha)
-    centres = tuple(((box[0] + box[1]) / 2, (box[2] + box[3]) / 2) for box in boxes)
-    ux, uy = math.cos(alpha), math.sin(alpha)
-    offsets = tuple(_layout(u, stride, duty_factor) for u in range(4))
-    front, hind = (
-        (1.0 - duty_factor) / duty_factor * stride,
-        (duty_factor - 0.5) / duty_factor * stride,
+    boxes = planning_boxes(machine, n, stretched)
+    x1, x2, y1, y2 = boxes[0]
+    stride = stroke_length(x2 - x1, y2 - y1, alpha)
+    return _described(
+        ArcPath(*direction(alpha)),
+        (n, crab_angle + (alpha - asked)),
+        duty_factor,
+        (boxes, mechanical_boxes(machine, n)),
+        Strokes(_centres(boxes), (stride / 2,) * 4, (0.0,) * 4, stride),
+        standard_order(stride, duty_factor),
     )
-    return Standard(
-        quarter_turns=n,
-        body_leg=tuple((leg + n) % 4 for leg in range(4)),
-        crab_angle=alpha,
-        course=crab_angle + (alpha - asked),
-        ux=ux,
-        uy=uy,
+
+
+@lru_cache(maxsize=256)
+def _on_arc(machine: Machine, duty_factor: float, path: ArcPath, course: float) -> NominalGait:
+    boxes = planning_boxes(machine, 0, stretched=False)
+    return _described(
+        path,
+        (0, course),
+        duty_factor,
+        (boxes, mechanical_boxes(machine, 0)),
+        strokes_on(boxes, path),
+        best_order(machine, duty_factor, *_coarse(machine, path)),
+    )
+
+
+def _described(
+    path: ArcPath,
+    heading: tuple[int, float],
+    duty_factor: float,
+    boxes: tuple[tuple[Box, ...], tuple[Box, ...]],
+    strokes: Strokes,
+    order: LegOrder,
+) -> NominalGait:
+    """The description of a walk whose strokes and order are known."""
+    centres, ends, spares, stride = strokes
+    landed = order.landed
+    lags = tuple(
+        ((landed[u] - landed[order.predecessor[u]]) % 1.0) / duty_factor * stride for u in range(4)
+    )
+    layouts = tuple(
+        tuple(
+            (stride - end) - stride * ((landed[u] - before) % 1.0) / duty_factor
+            for end, before in zip(ends, landed, strict=True)
+        )
+        for u in range(4)
+    )
+    pairs = tuple(_pairs(u, centres, layouts[order.predecessor[u]], path) for u in range(4))
+    return NominalGait(
+        path=path,
+        quarter_turns=heading[0],
+        course=heading[1],
         duty_factor=duty_factor,
-        boxes=boxes,
-        far_boxes=far_boxes,
+        boxes=boxes[0],
+        far_boxes=boxes[1],
         centres=centres,
+        ends=ends,
+        spares=spares,
         stride=stride,
-        margin=standard_margin(stride, duty_factor),
-        lags=tuple(front if IS_FRONT[u] else hind for u in range(4)),
-        offsets=offsets,
-        pairs=tuple(_pairs(u, centres, offsets[u], ux, uy) for u in range(4)),
+        order=order,
+        lags=lags,
+        layouts=layouts,
+        pairs=pairs,
     )
 
 
-def _canonical_boxes(
-    machine: Machine, n: int, stretched: bool
-) -> tuple[tuple[Box, ...], tuple[Box, ...]]:
-    """Control and mechanical reach in the turned frame; odd n swaps (x0, x*) with (y0, y*) (H table
-    1).
+def _pairs(
+    u: int, centres: tuple[XY, ...], ahead: tuple[float, ...], path: ArcPath
+) -> tuple[LegPair, LegPair]:
+    """A and C for the fore or hind pair, L and B for the left or right pair, of the legs that stay
+    when u swings (H fig. 9).
     """
-    (x1, x2, y1, y2), (over_x, over_y, _) = machine.boxes[0], machine.overreach
-    spans = [(x1, x2, over_x, kept(over_x, stretched)), (y1, y2, over_y, kept(over_y, stretched))]
-    if n % 2:
-        spans.reverse()
-    (ax, bx, dx, kx), (ay, by, dy, ky) = spans
-    control = (ax + kx, bx - kx, ay + ky, by - ky)
-    far = (ax - dx, bx + dx, ay - dy, by + dy)
-    return _mirrored(control), _mirrored(far)
+    places = [path.placed(cx, cy, d) for (cx, cy), d in zip(centres, ahead, strict=True)]
+    # diagonal of u: its fore or hind mate and its side mate are the two pairs that stay
+    across = MATES[SAME_SIDE[u]]
+
+    def pair(i: int, j: int) -> LegPair:
+        return i, j, places[i][0] - places[j][0], places[i][1] - places[j][1]
+
+    return pair(across, MATES[across]), pair(across, SAME_SIDE[across])
 
 
-def kept(overreach: float, stretched: bool) -> float:
-    """By how much footholds are planned inside the control reach, m; negative: outside it."""
-    return STRETCH_LEAN - overreach if stretched else max(0.0, LEAN - overreach)
+# strokes
 
 
-def _mirrored(box: Box) -> tuple[Box, ...]:
-    x1, x2, y1, y2 = box
-    return (x1, x2, y1, y2), (-x2, -x1, y1, y2), (-x2, -x1, -y2, -y1), (x1, x2, -y2, -y1)
+def strokes_on(boxes: Sequence[Box], path: ArcPath) -> Strokes:
+    """C_i and, on circles about the turning centre, the stroke the legs share: that of the leg
+    which has least. On a line it is H's (``stroke_length``).
+    """
+    back = path.reversed()
+    centres = _centres(boxes)
+    ahead = [arc_exit(x, y, box, path) for (x, y), box in zip(centres, boxes, strict=True)]
+    behind = [arc_exit(x, y, box, back) for (x, y), box in zip(centres, boxes, strict=True)]
+    stride = min(STROKE_MAX, *(a + b for a, b in zip(ahead, behind, strict=True)))
+    ends = tuple(
+        ((a - b if a < math.inf else 0.0) + stride) / 2 for a, b in zip(ahead, behind, strict=True)
+    )
+    spares = tuple(
+        leave - end if leave < math.inf else 0.0 for leave, end in zip(ahead, ends, strict=True)
+    )
+    return Strokes(centres, ends, spares, stride)
+
+
+def _centres(boxes: Sequence[Box]) -> tuple[XY, ...]:
+    return tuple(((x1 + x2) / 2, (y1 + y2) / 2) for x1, x2, y1, y2 in boxes)
+
+
+# the order of the legs
+
+
+def standard_margin(stride: float, duty_factor: float) -> float:
+    """s0, the least longitudinal margin of the standard walk; zero at β = 3/4 by design."""
+    return (1.0 - 3.0 / (4.0 * duty_factor)) * stride  # H §4.3 (3)
+
+
+def standard_order(stride: float, duty_factor: float) -> LegOrder:
+    """H's order on a line: 1-3-4-2."""
+    margin = standard_margin(stride, duty_factor)
+    return LegOrder(SUCCESSOR, PREDECESSOR, touchdown_phases(duty_factor), margin)
 
 
 def touchdown_phases(duty_factor: float) -> tuple[float, float, float, float]:
-    """When each canonical leg lands, in cycles: leg 1 (H) 0, leg 3 β-1/2, leg 4 1/2, leg 2 β (H
-    fig. 5).
+    """When each leg of the gait frame lands on a line, in cycles: leg 1 (H) 0, leg 3 β-1/2, leg 4
+    1/2, leg 2 β (H fig. 5).
     """
     return 0.0, duty_factor, duty_factor - 0.5, 0.5
 
 
-def _layout(next_swing: int, stride: float, duty_factor: float) -> tuple[float, ...]:
-    """How far each leg stands ahead of its C_i at the switching point where ``next_swing`` swings
-    next.
+def _coarse(machine: Machine, path: ArcPath) -> tuple[int, int]:
+    """The path as two whole numbers of ``GRAIN``: its direction, and how much of it is turning
+    (positive to the left).
     """
-    landed = touchdown_phases(duty_factor)
-    now = landed[PREDECESSOR[next_swing]]
-    return tuple(stride / 2 - stride * ((now - landed[i]) % 1.0) / duty_factor for i in range(4))
+    ahead = math.hypot(path.ux, path.uy)
+    turning = round(math.atan2(machine.yaw_length * path.turn, ahead) / GRAIN)
+    return (round(math.atan2(path.uy, path.ux) / GRAIN) if ahead > 1e-9 else 0), turning
 
 
-def _pairs(
-    u: int, centres: tuple[XY, ...], offsets: tuple[float, ...], ux: float, uy: float
-) -> tuple[Pair, Pair]:
-    """A and C for the fore or hind pair, L and B for the left or right pair, of the legs that stay
-    when u swings (H fig. 9).
+@lru_cache(maxsize=2048)
+def best_order(machine: Machine, duty_factor: float, course: int, turning: int) -> LegOrder:
+    """The order and phases with the largest least polygon margin, of all six orders and every
+    spread of the four-leg time; ``course`` and ``turning`` count ``GRAIN``.
     """
-    places = [(cx + d * ux, cy + d * uy) for (cx, cy), d in zip(centres, offsets, strict=True)]
-    # diagonal of u: its fore or hind mate and its side mate are the two pairs that stay
-    across = MATES[SAME_SIDE[u]]
+    ahead, aside = direction(turning * GRAIN)
+    ux, uy = direction(course * GRAIN)
+    path = ArcPath(ahead * ux, ahead * uy, aside / machine.yaw_length)
+    strokes = strokes_on(planning_boxes(machine, 0, stretched=False), path)
+    best: tuple[int, ...] = ()
+    best_landed: tuple[float, ...] = ()
+    largest = -math.inf
+    for rest in permutations((1, 2, 3)):
+        legs = (0, *rest)
+        for shares in SHARES:
+            landed = _landed(legs, shares, duty_factor)
+            margin = _least_margin(path, strokes, duty_factor, landed, largest)
+            if margin > largest + 1e-9:
+                best, best_landed, largest = legs, landed, margin
+    return _order_of(best, best_landed, largest)
 
-    def pair(i: int, j: int) -> Pair:
-        return i, j, places[i][0] - places[j][0], places[i][1] - places[j][1]
 
-    return pair(across, MATES[across]), pair(across, SAME_SIDE[across])
+def _order_of(legs: tuple[int, ...], landed: tuple[float, ...], margin: float) -> LegOrder:
+    successor = [0] * 4
+    predecessor = [0] * 4
+    for leg, following in zip(legs, legs[1:] + legs[:1], strict=True):
+        successor[leg] = following
+        predecessor[following] = leg
+    return LegOrder(tuple(successor), tuple(predecessor), landed, margin)
+
+
+def _landed(
+    legs: tuple[int, ...], shares: tuple[int, ...], duty_factor: float
+) -> tuple[float, ...]:
+    """When each leg lands if they swing in this order with so much four-leg time before each."""
+    spare = (4.0 * duty_factor - 3.0) / 4.0
+    landed = [0.0] * 4
+    t = 0.0
+    for leg, part in zip(legs, shares, strict=True):
+        landed[leg] = t
+        t += 1.0 - duty_factor + part * spare
+    return tuple(landed)
+
+
+def _least_margin(
+    path: ArcPath, strokes: Strokes, duty_factor: float, landed: tuple[float, ...], enough: float
+) -> float:
+    """Least polygon margin over a cycle; gives up once it is no better than ``enough``."""
+    centres, ends, _, stride = strokes
+    least = math.inf
+    for leg in range(4):
+        for look in LOOKS:
+            now = landed[leg] - (1.0 - duty_factor) * (1.0 - look)
+            feet = []
+            for i in OTHERS[leg]:
+                left = stride * (1.0 - ((now - landed[i]) % 1.0) / duty_factor)
+                feet.append(path.seen(*centres[i], ends[i] - left))
+            least = min(least, polygon_margin(support_polygon(feet), 0.0, 0.0))
+            if least <= enough:
+                return least
+    return least
+
+
+# the standard posture
 
 
 def standard_stance(
@@ -284,32 +454,42 @@ def standard_stance(
     Feet stand on the ground (on the mean of the others over a hole), the body at mean foot height +
     H. Standing on four C_i instead, the paper's rules mostly end in a limit cycle.
     """
-    standard = standard_for(machine, gait, crab_angle)
-    n, swing = standard.quarter_turns, 2
-    c, s = turned(math.cos(yaw), math.sin(yaw), n)
-    places: list[tuple[float, float]] = [(0.0, 0.0)] * 4
-    for leg, ((cx, cy), ahead) in enumerate(
-        zip(standard.centres, standard.offsets[swing], strict=True)
-    ):
-        px, py = cx + ahead * standard.ux, cy + ahead * standard.uy
-        places[standard.body_leg[leg]] = (x + c * px - s * py, y + s * px + c * py)
+    nominal = nominal_gait(machine, gait, crab_angle)
+    swing = 2
+    ux, uy, _ = nominal.path
+    c, s = quarter_turned(*direction(yaw), nominal.quarter_turns)
+    frame = Posture(x, y, c, s, (), -1)
+    places: list[XY] = [(0.0, 0.0)] * 4
+    layout = zip(nominal.body_leg, nominal.centres, nominal.layout_before(swing), strict=True)
+    for leg, (cx, cy), ahead in layout:
+        places[leg] = frame.absolute(cx + ahead * ux, cy + ahead * uy)
     heights = [height_at(px, py) for px, py in places]
     solid = [h for h in heights if h == h]
-    ground = sum(solid) / len(solid) if solid else 0.0
-    feet: tuple[Point, ...] = tuple(
+    ground = left_fold_sum(solid) / len(solid) if solid else 0.0
+    feet = tuple(
         (px, py, h if h == h else ground) for (px, py), h in zip(places, heights, strict=True)
     )
     low, high = machine.z_range
-    z = min(
-        max(ground + gait.height, max(f[2] for f in feet) - high), min(f[2] for f in feet) - low
-    )
-    return Stance(
-        (x, y, z, yaw), feet, last_swing=standard.body_leg[PREDECESSOR[swing]], quarter_turns=n
-    )
+    highest = min(foot[2] for foot in feet) - low
+    z = min(max(ground + gait.height, max(foot[2] for foot in feet) - high), highest)
+    last = nominal.body_leg[nominal.order.predecessor[swing]]
+    return Stance((x, y, z, yaw), feet, last_swing=last, quarter_turns=nominal.quarter_turns)
 
 
-def turned(cosine: float, sine: float, n: int) -> tuple[float, float]:
-    """Cosine and sine of an angle plus n quarter turns, without rounding."""
-    for _ in range(n % 4):
-        cosine, sine = -sine, cosine
-    return cosine, sine
+def off_standard(machine: Machine, gait: Gait, crab_angle: float, stance: Stance) -> float:
+    """How far the foot that is farthest off stands from its place in the standard layout at this
+    N_k, as a share of λ*; inf where no leg has swung yet.
+    """
+    nominal = nominal_gait(machine, gait, crab_angle, stance.quarter_turns)
+    posture = posture_of(nominal, stance)
+    if posture.last < 0:
+        return math.inf
+    ux, uy, _ = nominal.path
+    places = zip(posture.feet, nominal.centres, nominal.layouts[posture.last], strict=True)
+    off = max(math.hypot(fx - cx - d * ux, fy - cy - d * uy) for (fx, fy), (cx, cy), d in places)
+    return off / nominal.stride
+
+
+def is_standard(off: float) -> bool:
+    """True when a layout so far off still counts as the standard one (the tolerance of H fig. 9)."""
+    return off <= AGREEMENT

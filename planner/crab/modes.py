@@ -24,8 +24,7 @@ from ..robot.model import Machine
 from ..terrain.map import TerrainMap
 from ..types import Blocked, Command, Gait, Stance, StepPlan
 from . import baseline, predictive_planner
-from .gait import AGREEMENT
-from .measures import off_standard
+from .gait import AGREEMENT, off_standard
 from .planner import plan_step
 from .slope_adaptation import SlopeAdaptation
 
@@ -100,7 +99,7 @@ class CrabPlanner(Planner):
 
 def _predictive(gait: Gait, explain: bool) -> Callable[[Machine], PlanFunction]:
     return lambda machine: partial(
-        predictive_planner.think, machine=machine, gait=gait, explain=explain
+        predictive_planner.step_job, machine=machine, gait=gait, explain=explain
     )
 
 

@@ -1,32 +1,34 @@
-"""One step of mode ``predictive``: what ``predict`` chooses, or the way out of ``escape``, as a
-plan (the twin of ``plan``).
+"""One step of mode ``predictive``: what ``lookahead_search`` chooses, or the way out of
+``recovery``, as a plan (``planner.plan_step`` is the paper's alone).
 """
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from typing import Any
 
-from ..motion.step_builder import plan_on_all_feet
+from ..geometry.transforms import direction
+from ..motion.step_builder import changed
 from ..protocols import PlanningJob, run_to_completion
 from ..robot.model import Machine
-from ..search import uninterruptible
+from ..search import Branch, uninterruptible
 from ..terrain.map import TerrainMap
 from ..types import Blocked, Command, Gait, Stance, StepPlan
-from .candidates import ON_THE_SPOT, Field, Sway
-from .leg_selection import Notes, Step, decide
-from .lookahead_search import GETS_ON, STUCK, Choice, Chosen, Ways, choose, standard_way
-from .planner import build, cruise_speed
-from .recovery import blocked, by_stretching, field_of, is_strained, way_out
-from .turning import think_turn, turns
+from .candidates import ON_THE_SPOT, Node, SearchContext
+from .decision_log import DecisionLog, note_search
+from .leg_selection import decide
+from .lookahead_search import GETS_ON, STUCK, Branches, SearchResult, choose, standard_way
+from .recovery import blocked, by_stretching, context_of, is_strained, way_out
+from .step_plans import body_shift_plan, swing_plan
+from .steps import BodyShift, Candidate
+from .turning import turn_job, turns
 
 LEFT = 0.03  # m; without a way out it still goes on by as much as this
-WAYS_TOLD = 24  # candidates kept in a decision trace
+WAYS_LOGGED = 24  # candidates kept in a decision log
 FINISHED_MAX = 12  # ways tried until the body, too, passes over the ground
 
 
-def think(
+def step_job(
     stance: Stance,
     command: Command,
     terrain: TerrainMap,
@@ -35,55 +37,31 @@ def think(
     *,
     explain: bool = False,
 ) -> PlanningJob:
-    """The next step of the crab walk from N_k, thought through piece by piece; ``send(True)`` asks
-    for the best so far.
+    """The next step of the crab walk from N_k, planned slice by slice; ``send(True)`` asks for the
+    best so far.
 
     Like ``plan_step`` it walks straight courses and plans a command of speed 0 at v_max. Where the
-    paper's step keeps the standard walk on open ground it is that step, and answered at once. A
-    command that turns is ``turning``'s to think about.
+    paper's step keeps the nominal walk on open ground it is that step, and answered at once. A
+    command that turns is for ``turning`` to plan.
     """
     if turns(command, machine):
-        return (yield from think_turn(stance, command, terrain, machine, gait, explain=explain))
-    field = field_of(stance, command.crab_angle, terrain, machine, gait)
-    notes: Notes | None = (
-        {"crab_angle": command.crab_angle, "quarter_turns": field.standard.quarter_turns}
-        if explain
-        else None
-    )
-    paper = decide(
-        field.standard, field.start.posture, field.ground, field.accepts(field.start), notes
-    )
-    strained = is_strained(field)
-    choice = yield from (
-        uninterruptible(choose(field, paper)) if strained else choose(field, paper)
-    )
-    if notes is not None:
-        notes["lookahead"] = told(field, choice)
-    standard, escape = standard_way(field.standard), None
-    if strained and choice.pace < GETS_ON * standard:  # a crossing begun is gone on with
-        escape = yield from uninterruptible(
-            by_stretching(field, stance, command.crab_angle, choice.pace)
-        )
-    if escape is None and (choice.pace >= STUCK * standard or not choice.finished):
-        answer = first_that_passes(field, stance, choice.ways, command, notes)
-        if isinstance(answer, StepPlan):
-            return answer
-    if escape is None:
-        escape = yield from uninterruptible(way_out(field, stance, command.crab_angle))
-    if escape is not None:
-        if notes is not None:
-            notes["escape"] = escape.kind
-        answer = first_that_passes(escape.field, stance, escape.ways, command, notes)
-        if isinstance(answer, StepPlan):
-            return answer
-    if choice.ways and choice.ways[0].gain >= LEFT:
-        answer = first_that_passes(field, stance, choice.ways, command, notes)
-        if isinstance(answer, StepPlan):
-            return answer
-    return blocked(field, choice.ways, notes)
+        return (yield from turn_job(stance, command, terrain, machine, gait, explain=explain))
+    context = context_of(stance, command.crab_angle, terrain, machine, gait)
+    log: DecisionLog | None = None
+    if explain:
+        turned = context.nominal.quarter_turns
+        log = {"crab_angle": command.crab_angle, "quarter_turns": turned}
+    start = context.start
+    paper = decide(context.nominal, start.posture, context.cells, context.accepts(start), log)
+    strained = is_strained(context)
+    job = choose(context, paper)
+    result = yield from (uninterruptible(job) if strained else job)
+    weighed = [_entry(context, way) for way in result.ways[:WAYS_LOGGED]] if explain else []
+    note_search(log, result.search, result.horizon, weighed)
+    return (yield from _answer(context, stance, command, result, strained, log))
 
 
-def at_once(
+def plan_at_once(
     stance: Stance,
     command: Command,
     terrain: TerrainMap,
@@ -92,117 +70,93 @@ def at_once(
     *,
     explain: bool = False,
 ) -> StepPlan | Blocked:
-    """The same without a pause."""
-    return run_to_completion(think(stance, command, terrain, machine, gait, explain=explain))
+    """As ``step_job``, without a pause."""
+    return run_to_completion(step_job(stance, command, terrain, machine, gait, explain=explain))
+
+
+def _answer(
+    context: SearchContext,
+    stance: Stance,
+    command: Command,
+    result: SearchResult,
+    strained: bool,
+    log: DecisionLog | None,
+) -> PlanningJob:
+    """The best step found, or the way out where it does not get on."""
+    standard = standard_way(context.nominal)
+    course = command.crab_angle
+    recovery = None
+    if strained and result.pace < GETS_ON * standard:  # a crossing begun is gone on with
+        recovery = yield from uninterruptible(by_stretching(context, stance, course, result.pace))
+    if recovery is None and (result.pace >= STUCK * standard or not result.finished):
+        answer = first_that_passes(context, stance, result.ways, command, log)
+        if isinstance(answer, StepPlan):
+            return answer
+    if recovery is None:
+        recovery = yield from uninterruptible(way_out(context, stance, course))
+    if recovery is not None:
+        if log is not None:
+            log["escape"] = recovery.kind
+        answer = first_that_passes(recovery.context, stance, recovery.ways, command, log)
+        if isinstance(answer, StepPlan):
+            return answer
+    if result.ways and result.ways[0].gain >= LEFT:
+        answer = first_that_passes(context, stance, result.ways, command, log)
+        if isinstance(answer, StepPlan):
+            return answer
+    return blocked(context, result.ways, log)
 
 
 def first_that_passes(
-    field: Field, stance: Stance, ways: Ways, command: Command, notes: Notes | None
+    context: SearchContext,
+    stance: Stance,
+    ways: Branches,
+    command: Command,
+    log: DecisionLog | None,
 ) -> StepPlan | Blocked:
     """The best way whose first step lets the torso pass over the ground as well."""
     answer: StepPlan | Blocked = Blocked("no way on")
     for way in ways[:FINISHED_MAX]:
-        answer = finished(field, stance, way.first, command, notes)
+        answer = finished(context, way.first, command, log)
         if isinstance(answer, StepPlan):
-            still = stance.still + 1 if _way(stance, answer.end, command) < ON_THE_SPOT else 0
-            return replace(answer, end=replace(answer.end, still=still)) if still else answer
+            if _way(stance, answer.end, command) >= ON_THE_SPOT:
+                return answer
+            return changed(answer, end=replace(answer.end, still=stance.still + 1))
     return answer
 
 
 def _way(stance: Stance, end: Stance, command: Command) -> float:
     """How far the body gets on along the commanded course, m."""
-    course = stance.body[3] + command.crab_angle
-    return (end.body[0] - stance.body[0]) * math.cos(course) + (
-        end.body[1] - stance.body[1]
-    ) * math.sin(course)
+    c, s = direction(stance.body[3] + command.crab_angle)
+    return (end.body[0] - stance.body[0]) * c + (end.body[1] - stance.body[1]) * s
 
 
 def finished(
-    field: Field, stance: Stance, choice: Chosen, command: Command, notes: Notes | None
+    context: SearchContext, candidate: Candidate, command: Command, log: DecisionLog | None
 ) -> StepPlan | Blocked:
-    """A choice with its heights and times."""
-    if isinstance(choice, Sway):
-        return sway_plan(field, stance, choice, command, notes)
-    ahead, machine, gait = field.here, field.machine, field.gait
-    low, highest = ahead.height_limits(choice.leg, choice.g0, choice.g, choice.landing)
-    height = ahead.height_after(choice.leg, choice.g, choice.landing, low, highest)
-    needs = ahead.torso_needs(choice.g, height)
-    if needs > highest:
-        return Blocked(
-            f"the torso would touch the ground: it needs {needs:.2f} m, the legs reach {highest:.2f} m",
-            None,
-            notes,
-        )
-    posture = field.start.posture
-    return build(
-        field.standard,
-        posture,
-        stance,
-        choice,
-        max(height, needs),
-        ahead,
-        command,
-        machine,
-        gait,
-        notes,
-    )
+    """A candidate with its heights and times."""
+    if isinstance(candidate, BodyShift):
+        return body_shift_plan(context.here, candidate, command.speed, log)
+    return swing_plan(context.here, candidate, command.speed, log)
 
 
-def sway_plan(
-    field: Field, stance: Stance, sway: Sway, command: Command, notes: Notes | None
-) -> StepPlan:
-    """A four-leg shift: the body goes straight, at its height, no faster than the standard walk in
-    that direction.
-    """
-    x, y, z, yaw = stance.body
-    end_x, end_y = field.start.posture.absolute(sway.x, sway.y)
-    way, course = math.hypot(sway.x, sway.y), math.atan2(end_y - y, end_x - x) - yaw
-    speed_max = cruise_speed(field.machine, field.gait, math.remainder(course, 2 * math.pi))
-    speed = min(speed_max, command.speed) if command.speed > 0.0 else speed_max
-    end = replace(
-        stance,
-        body=(end_x, end_y, z, yaw),
-        quarter_turns=field.standard.quarter_turns,
-        course=stance.course + way,
-    )
-    return plan_on_all_feet(
-        stance,
-        (0.0, way / speed),
-        (stance.body, end.body),
-        end,
-        crab_angle=course,
-        support_shift=way,
-        shift=way,
-        standard_margin=field.standard.margin,
-        margin_min=sway.margin,
-        speed=speed,
-        speed_max=speed_max,
-        decision=notes,
-    )
-
-
-def told(field: Field, choice: Choice) -> dict[str, Any]:
-    """The search for the decision trace: each candidate's first step, its score, and how far it was
+def _entry(context: SearchContext, way: Branch[Node, Candidate]) -> dict[str, Any]:
+    """A way of the search for the decision log: its first step, its score, and how far it was
     followed.
     """
-    standard, posture = field.standard, field.start.posture
-    candidates = []
-    for way in choice.ways[:WAYS_TOLD]:
-        first = way.first
-        told: dict[str, Any] = {
-            "score": way.score,
-            "gain": way.gain,
-            "steps": way.steps,
-            "margin": first.margin,
-        }
-        if isinstance(first, Step):
-            told |= {
-                "leg": standard.body_leg[first.leg] + 1,
-                "g0": first.g0,
-                "g": first.g,
-                "landing": [first.landing.ax, first.landing.ay],
-            }
-        else:
-            told |= {"leg": None, "body": list(posture.absolute(first.x, first.y))}
-        candidates.append(told)
-    return {"search": choice.search, "horizon": choice.horizon, "candidates": candidates}
+    first = way.first
+    entry: dict[str, Any] = {
+        "score": way.score,
+        "gain": way.gain,
+        "steps": way.steps,
+        "margin": first.margin,
+    }
+    if isinstance(first, BodyShift):
+        there = context.start.posture.absolute(first.x, first.y)
+        return entry | {"leg": None, "body": list(there)}
+    return entry | {
+        "leg": context.nominal.body_leg[first.leg] + 1,
+        "g0": first.g0,
+        "g": first.g,
+        "landing": [first.landing.ax, first.landing.ay],
+    }

@@ -40,11 +40,12 @@ from ..motion.body_tilt import (
     reaches,
     rounded,
 )
+from ..motion.strides import stroke_length
 from ..protocols import BodyAttitude, PlanFunction, PlanningJob
 from ..robot.model import Leg, Machine
 from ..terrain.map import TerrainMap
 from ..types import Array, Command, Gait, Point, Stance, StepPlan
-from .gait import standard_for, stroke_length
+from .gait import nominal_gait
 
 # of the longest stride any lean allows; 1: see it hardly lean at all, 0.3: see it creep with its
 # nose in the air
@@ -512,8 +513,8 @@ def spread(
 
     For boxes of lengths ``x`` and ``y``; at the switching points, where four feet stand.
     """
-    standard = standard_for(machine, gait, angle)
-    ratios = np.array(standard.offsets) / standard.stride  # [u][i], canonical legs
+    nominal = nominal_gait(machine, gait, angle)
+    ratios = np.array(nominal.layouts) / nominal.stride  # [u][i], canonical legs
     cx, cy, stride = inner[0] + x / 2, inner[1] + y / 2, _strokes(x, y, angle)
     critical, off = np.arctan2(cy, cx), abs(math.remainder(angle, 2 * math.pi))
     aside = 1 if math.remainder(angle, 2 * math.pi) > 0.0 else 3

@@ -1,42 +1,56 @@
 """Level B2 while the torso turns (H §5 with circles for lines): who swings, how far, where the foot
 comes down.
 
-The course is a course of constant curvature, down to a turn on the spot. What the paper settles by rule
-on a straight course is searched for here: sequences of swings and of sways (the body shifted on
-four legs) are grown a few steps deep, always the most promising ones, and the first step of the
-best is taken. Each swing is the paper's: g0 until the triangle carries, g as far as it carries and
-every standing leg reaches, the foot put where it leaves its stroke later than u* by the standard
-phase difference. Bounded by count; no memory, so it takes over from any posture of a straight walk
-and hands any back.
+The path is an arc, down to a turn on the spot. What the paper settles by rule on a straight course
+is searched for here: sequences of swings and of body shifts on four legs are grown a few steps
+deep, always the most promising ones, and the first step of the best is taken. Each swing is the
+paper's: g0 until the triangle carries, g as far as it carries and every standing leg reaches, the
+foot put where it leaves its stroke later than u* by the nominal phase difference. Bounded by count;
+no memory, so it takes over from any posture of a straight walk and hands any back.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ..geometry.paths import arc_exit, arc_of_command
+from ..geometry.polygons import inside_of, nearest_of
+from ..motion.step_builder import changed
 from ..protocols import PlanningJob, run_to_completion
 from ..robot.model import Machine
-from ..search import Option, Search, beam, firsts, uninterruptible
-from ..stability import XY, stable_on_arc, support_polygon
+from ..search import Branch, Option, Search, beam, firsts, uninterruptible
+from ..stability import XY, polygon_margin, support_polygon
 from ..terrain.map import TerrainMap
 from ..types import Blocked, Command, Gait, Stance, StepPlan
-from . import turning_log
-from .arcplan import EARLY, Move, Rises, in_body, sway_plan, swing_plan
-from .arcs import Circular, carried, circular_gait
-from .foothold_search import Ground, clipped, ground_of, nearest_of
-from .gait import OTHERS
-from .leg_selection import SLACK, STILL, Notes
+from .candidates import shift_room
+from .decision_log import DecisionLog, StepRefusal, note_cell, note_leg, note_reason, note_search
+from .foothold_checks import FootholdChecks
+from .foothold_search import FootholdMap, foothold_map, phase_point
+from .gait import NominalGait, Posture, nominal_gait_on, posture_of
+from .leg_selection import (
+    SLACK,
+    STILL,
+    after,
+    body_shift_to,
+    exits_of,
+    free_shift,
+    shifted,
+    stable_on,
+    triangle_of,
+)
+from .step_plans import body_shift_plan, swing_plan
+from .steps import BodyShift, Candidate, Exits, Landing, Shift, SwingStep
 
-# rad per m of s; a course that bends less, one of a kilometre's radius, is walked straight
+# rad per m of s; a path that bends less, one of a kilometre's radius, is walked straight
 STRAIGHT = 1e-3
 # steps a sequence is long, sequences kept, and for how many of its steps feet may come down
 # anywhere in reach
 LOOKS = (
-    (6, 6, 0),  # less: see it sway where a swing would do
+    (6, 6, 0),  # less: see it shift the body where a swing would do
     (9, 16, 0),  # each of these when the one before finds no way on
     # without: see it stand for good after a turn of mind, its legs at the edges of their reach
     (8, 32, 1),
@@ -44,314 +58,264 @@ LOOKS = (
 )
 # of the reach, along and across: where feet are tried when they may come down anywhere
 ANYWHERE = (0.02, 0.5, 0.98)
-INSET = 0.03  # m from every edge of the triangle, where the standard walk has so much
-INSET_SHARE = 0.6  # of the least margin of the standard walk, where it has less
+INSET = 0.03  # m from every edge of the triangle, where the nominal walk has so much
+INSET_SHARE = 0.6  # of the least margin of the nominal walk, where it has less
 # m; an inset every swing keeps where it can, and one it keeps always; none: see the torso tip as a
 # foot lifts
 THIN, BARE = 0.004, 0.001
 THIN_COST = 0.15  # m of course a swing without it is held to lose
-# of the standard swing's way; a swing that moves the body less is looked at with no inset, and
-# beside sways
+# of the nominal swing's way; a swing that moves the body less is looked at with no inset, and
+# beside body shifts
 USEFUL = 0.5
 FAR_ENOUGH = 0.45  # m around I_u in which footholds are looked for
 CELLS_MAX = 4  # footholds compared
 # steps without a useful way after which the way that gets on soonest is taken; else see it go to
 # and fro
 STILL_MAX = 2
-HURRY = 10.0  # m such a way is held to gain over one that never gets on; more than any way loses
-HURRIED = 2  # the look it begins with
-SWAY_MIN = 0.002  # m; a shorter sway is none
-# of what the legs lack of the standard phases, m of progress per m; 0: see legs bunch up and sway
+IN_NEED = 10.0  # m such a way is held to gain over one that never gets on; more than any way loses
+IN_NEED_LOOK = 2  # the look it begins with
+SHIFT_MIN = 0.002  # m; a shorter body shift is none
+# of what the legs lack of the nominal phases, m of progress per m; 0: see legs bunch up
 PHASE_WEIGHT = 0.25
+REFUSED_MAX = 200  # cells logged of one leg
 
 
-class Place(NamedTuple):
-    """A posture in the search. Feet in its own body axes."""
+class TurnNode(NamedTuple):
+    """A posture in the search."""
 
-    x: float
-    y: float
-    yaw: float
-    feet: tuple[XY, ...]
-    exits: tuple[float, ...]  # g_i
-    last: int
-    way: float = 0.0  # m of course gone
-    swayed: bool = False
-
-    def absolute(self, px: float, py: float) -> XY:
-        """A point of the body axes in the absolute frame."""
-        c, s = math.cos(self.yaw), math.sin(self.yaw)
-        return self.x + c * px - s * py, self.y + s * px + c * py
+    posture: Posture
+    exits: Exits  # g_i
+    way: float = 0.0  # m of the path gone
+    shifted: bool = False  # the last step was a body shift
 
 
-class Outlook:
+TurnBranch = Branch[TurnNode, Candidate]
+
+
+class NearCell(NamedTuple):
+    """A cell near a place: its centre as a landing, and how far away it is, m."""
+
+    landing: Landing
+    away: float
+
+
+class TurnSearch:
     """One search for the next step of a turn from one stance."""
 
-    def __init__(
-        self, circular: Circular, stance: Stance, terrain: TerrainMap, machine: Machine, gait: Gait
-    ) -> None:
-        self.circular, self.stance, self.terrain, self.machine, self.gait = (
-            circular,
-            stance,
-            terrain,
-            machine,
-            gait,
-        )
-        self.ground: Ground = ground_of(terrain)
-        self.rises = Rises(stance, circular, terrain, machine, gait)
-        self.full = circular.swing_share * circular.stride
+    def __init__(self, checks: FootholdChecks) -> None:
+        nominal, stance = checks.nominal, checks.stance
+        self.checks = checks
+        self.nominal = nominal
+        self.arc = nominal.path
+        self.cells: FootholdMap = foothold_map(checks.terrain)
+        duty = nominal.duty_factor
+        self.full = (1.0 - duty) / duty * nominal.stride  # m, the way of a swing of the walk
         self.useful = USEFUL * self.full
-        comfort = min(INSET, INSET_SHARE * circular.margin)
+        comfort = min(INSET, INSET_SHARE * nominal.margin)
         self.insets = (comfort, THIN, BARE) if comfort > THIN else (THIN, BARE)
-        x, y, _, yaw = stance.body
-        feet = in_body(stance)
-        self.root = Place(x, y, yaw, feet, self.exits(feet), stance.last_swing)
-        self.hurries = stance.still >= STILL_MAX  # the way that gets on soonest is the best
+        self.root = TurnNode(checks.posture, exits_of(nominal, checks.posture))
+        self.in_need = stance.still >= STILL_MAX  # the way that gets on soonest is the best
         self.anywhere = 0  # steps in which feet may come down anywhere in reach
 
-    def look(self, depth: int, width: int, anywhere: int = 0) -> Search[Place, Move]:
+    def look(self, depth: int, width: int, anywhere: int = 0) -> Search[TurnNode, Candidate]:
         """The ways on, best first: way gone, less what was lost on it, less what the legs lack of
-        the standard phases.
+        the nominal phases.
         """
         self.anywhere = anywhere
         return beam(self.root, self.options, depth, width)
 
-    def options(self, place: Place, depth: int) -> Iterator[Option[Place, Move]]:
+    def options(self, node: TurnNode, depth: int) -> Iterator[Option[TurnNode, Candidate]]:
         """Every next step worth looking at, for the beam."""
-        for move in self.moves(place, depth):
-            after, gain = self.after(place, move)
-            if self.hurries and place.way < self.useful <= after.way:
-                gain += HURRY / (1 + depth)
-            yield Option(move, after, gain, self.promise(after))
+        for candidate in self.candidates(node, depth):
+            reached, gain = self.after(node, candidate)
+            if self.in_need and node.way < self.useful <= reached.way:
+                gain += IN_NEED / (1 + depth)
+            yield Option(candidate, reached, gain, self.heuristic(reached))
 
-    def promise(self, place: Place) -> float:
-        """Minus what the legs' exits lack of those in the standard walk after the same leg has
+    def heuristic(self, node: TurnNode) -> float:
+        """Minus what the legs' exits lack of those in the nominal walk after the same leg has
         landed, m.
         """
-        layouts = (self.circular.layouts[place.last],) if place.last >= 0 else self.circular.layouts
+        layouts = self.nominal.layouts
+        last = node.posture.last
+        ends = self.nominal.ends
         lacks = min(
-            sum(max(0.0, want - has) for want, has in zip(layout, place.exits, strict=True))
-            for layout in layouts
+            sum(
+                max(0.0, ahead + end - has)
+                for end, ahead, has in zip(ends, layout, node.exits, strict=True)
+            )
+            for layout in ((layouts[last],) if last >= 0 else layouts)
         )
         return -PHASE_WEIGHT * lacks
 
-    def exits(self, feet: tuple[XY, ...]) -> tuple[float, ...]:
-        """g_i of every leg on the arc."""
-        return tuple(
-            arc_exit(fx, fy, box, self.circular.arc, EARLY)
-            for (fx, fy), box in zip(feet, self.circular.boxes, strict=True)
-        )
+    def after(self, node: TurnNode, candidate: Candidate) -> tuple[TurnNode, float]:
+        """The posture at N_{k+1}, and the way gone less what could have been gone in the time: the
+        cheap roll-out of one step.
+        """
+        if isinstance(candidate, BodyShift):
+            posture = shifted(node.posture, candidate)
+            exits = exits_of(self.nominal, posture)
+            return TurnNode(posture, exits, node.way, True), -math.hypot(candidate.x, candidate.y)
+        posture = after(self.nominal, node.posture, candidate)
+        lost = max(0.0, self.full - (candidate.g - candidate.g0))
+        if candidate.margin < THIN:
+            lost += THIN_COST
+        reached = TurnNode(posture, exits_of(self.nominal, posture), node.way + candidate.g)
+        return reached, candidate.g - lost
 
     # what can be done next
 
-    def moves(self, place: Place, depth: int) -> Iterator[Move]:
-        """Swings of every leg but the last, sways where swings do little; the last leg again when
-        nothing else is left.
+    def candidates(self, node: TurnNode, depth: int) -> Iterator[Candidate]:
+        """Swings of every leg but the last, body shifts where swings do little; the last leg again
+        when nothing else is left.
         """
-        first, found, stuck = depth == 0, False, []
+        last = node.posture.last
+        found = False
+        stuck = []
         for leg in range(4):
-            shift = self.shift_of(place, leg) if leg != place.last else None
+            shift = self.shift_of(node, leg) if leg != last else None
             if shift is not None:
-                for move in self.landings(place, leg, *shift, depth):
+                for step in self.swings(node, shift, depth):
                     found = True
-                    yield move
-            if shift is None or shift[1] - shift[0] < self.useful:
+                    yield step
+            if shift is None or shift.g - shift.g0 < self.useful:
                 stuck.append(leg)
-        if not found and place.last >= 0:
-            shift = self.shift_of(place, place.last)
-            if shift is not None:
-                for move in self.landings(place, place.last, *shift, depth):
-                    found = True
-                    yield move
-        if not found or (not place.swayed and (first or depth < self.anywhere or len(stuck) == 4)):
-            for leg in stuck:
-                sway = self.sway(place, leg)
-                if sway is not None:
-                    yield sway
+        if not found and last >= 0:
+            shift = self.shift_of(node, last)
+            for step in self.swings(node, shift, depth) if shift is not None else ():
+                found = True
+                yield step
+        may_shift = depth == 0 or depth < self.anywhere or len(stuck) == 4
+        if not found or (not node.shifted and may_shift):
+            yield from self.body_shifts(node, stuck)
 
-    def shift_of(self, place: Place, leg: int) -> tuple[float, float, float] | None:
+    def shift_of(self, node: TurnNode, leg: int) -> Shift | None:
         """g0, g and the inset kept when ``leg`` swings; None when it cannot."""
-        arc, feet, exits, best = self.circular.arc, place.feet, place.exits, None
-        i, j, k = OTHERS[leg]
-        triangle = support_polygon((feet[i], feet[j], feet[k]))
-        g_max = min(exits[i], exits[j], exits[k])  # H §5.2 (12)
+        best: Shift | None = None
         for inset in self.insets:
-            low, high = stable_on_arc(triangle, *arc, inset)
-            if low > high or high < 0.0 or low > min(g_max, exits[leg]):
+            shift = free_shift(self.nominal, node.posture, node.exits, leg, inset=inset)
+            if isinstance(shift, StepRefusal) or not self._carried(node, shift.g0):
                 continue
-            g0 = max(0.0, low)
-            if g0 > 0.0:
-                before, after = stable_on_arc(support_polygon(feet), *arc, -SLACK)
-                if before > 0.0 or after < g0:
-                    continue
-            g = max(g0, min(g_max, high))
-            if best is None or g - g0 > best[1] - best[0]:
-                best = g0, g, inset
-            if g - g0 >= self.useful:
+            if best is None or shift.g - shift.g0 > best.g - best.g0:
+                best = shift
+            if shift.g - shift.g0 >= self.useful:
                 break
         return best
 
-    def landings(
-        self, place: Place, leg: int, g0: float, g: float, inset: float, depth: int
-    ) -> Iterator[Move]:
+    def _carried(self, node: TurnNode, g0: float) -> bool:
+        """True when the body stays over its four feet until g0."""
+        if g0 <= 0.0:
+            return True
+        low, high = stable_on(self.nominal, support_polygon(node.posture.feet), -SLACK)
+        return low <= 0.0 and high >= g0
+
+    def swings(self, node: TurnNode, shift: Shift, depth: int) -> Iterator[SwingStep]:
         """Where the foot may come down: by phase, as far ahead as its stroke goes, and, when
         nothing else leads on, anywhere.
         """
-        circular, exits, arc = self.circular, place.exits, self.circular.arc
-        before, farthest = circular.predecessor[leg], g + circular.stride
-        phase = min(max(exits[before] - circular.spares[before] + circular.lags[leg], g), farthest)
-        starts = []
-        for wanted in (phase, farthest) if farthest - phase > 0.05 * circular.stride else (phase,):
-            starts.append(
-                (carried(arc, *circular.centres[leg], wanted - circular.ends[leg]), wanted)
-            )
+        leg, g = shift.leg, shift.g
+        nominal = self.nominal
+        end = nominal.ends[leg]
+        farthest = g + nominal.stride
+        phase = min(max(phase_point(nominal, node.exits, leg) + end, g), farthest)
+        leaves = [phase]
+        if farthest - phase > 0.05 * nominal.stride:
+            leaves.append(farthest)
+        starts = [(self.arc.placed(*nominal.centres[leg], s - end), s) for s in leaves]
         if depth < self.anywhere:
-            x1, x2, y1, y2 = circular.boxes[leg]
+            x1, x2, y1, y2 = nominal.boxes[leg]
             starts += [
-                (carried(arc, x1 + u * (x2 - x1), y1 + v * (y2 - y1), g), 0.0) for u in ANYWHERE for v in ANYWHERE
-            ]  # fmt: skip
+                (self.arc.placed(x1 + u * (x2 - x1), y1 + v * (y2 - y1), g), 0.0)
+                for u in ANYWHERE
+                for v in ANYWHERE
+            ]
         for start, wanted in starts:
-            move = self.foothold(
-                place, leg, Move(leg, g0, g, start, start, start, inset), wanted, depth == 0
-            )
-            if move is not None:
-                yield move
+            landing = self.foothold(node, shift, start, wanted, depth == 0)
+            if landing is not None:
+                yield SwingStep(leg, shift.g0, g, start, landing, shift.inset, False)
 
     def foothold(
-        self, place: Place, leg: int, swing: Move, wanted: float, first: bool
-    ) -> Move | None:
+        self, node: TurnNode, shift: Shift, start: XY, wanted: float, first: bool
+    ) -> Landing | None:
         """I_u itself, or the best of the free cells nearest to it: near, and left no sooner than
         ``wanted``.
         """
-        g, start = swing.g, swing.start
-        ax, ay = place.absolute(*start)
-        fx, fy = place.feet[leg]
-        if self.ground.allows(ax, ay) and self.fits(leg, g, start, (ax, ay), first) is not None:
-            if g <= STILL and math.hypot(start[0] - fx, start[1] - fy) <= STILL:
-                return None
-            return swing._replace(ground=(ax, ay))
-        best, least, count = None, math.inf, 0
-        for px, py, qx, qy, away in self.cells(place, (ax, ay)):
-            left = self.fits(leg, g, (px, py), (qx, qy), first)
-            if left is None or (g <= STILL and math.hypot(px - fx, py - fy) <= STILL):
+        ax, ay = node.posture.absolute(*start)
+        exact = Landing(*start, ax, ay)
+        if self.cells.allows(ax, ay) and self.fits(shift, exact, first) is not None:
+            return None if self._stays(node, shift, exact) else exact
+        best = None
+        least = math.inf
+        count = 0
+        for landing, away in self.near_cells(node, (ax, ay)):
+            left = self.fits(shift, landing, first)
+            if left is None or self._stays(node, shift, landing):
                 continue
-            cost = away + max(0.0, wanted - g - left)
+            cost = away + max(0.0, wanted - shift.g - left)
             if cost < least:
-                best, least = swing._replace(landing=(px, py), ground=(qx, qy)), cost
+                best, least = landing, cost
             count += 1
             if count >= CELLS_MAX:
                 break
         return best
 
-    def fits(self, leg: int, g: float, point: XY, at: XY, first: bool) -> float | None:
+    def _stays(self, node: TurnNode, shift: Shift, landing: Landing) -> bool:
+        """True when the body would stay and the foot come down where it stands."""
+        fx, fy = node.posture.feet[shift.leg]
+        return shift.g <= STILL and math.hypot(landing.x - fx, landing.y - fy) <= STILL
+
+    def fits(self, shift: Shift, landing: Landing, first: bool) -> float | None:
         """How far on from N_{k+1} a foothold stays in reach; None when it is not, or its height
-        will not do.
+        will not do (asked of ``first`` steps only).
         """
-        x, y = self.circular.arc.seen(*point, g)
-        box = self.circular.boxes[leg]
+        x, y = self.arc.seen(landing.x, landing.y, shift.g)
+        box = self.nominal.boxes[shift.leg]
         if not (box[0] <= x <= box[1] and box[2] <= y <= box[3]):
             return None
-        if first and self.rises.refuses(leg, g, at):
+        if first and not self.checks.is_level and self.checks.refuses(shift, landing) is not None:
             return None
-        return arc_exit(x, y, box, self.circular.arc)
+        return arc_exit(x, y, box, self.arc)
 
-    def cells(
-        self, place: Place, around: XY, every: bool = False
-    ) -> Iterator[tuple[float, float, float, float, float]]:
-        """Free cells (or ``every`` one) from the nearest on: centre in body axes, in the absolute
-        frame, and how far away it is.
-        """
-        forbidden, rows, columns, cell, ox, oy = self.ground
-        c, s = math.cos(place.yaw), math.sin(place.yaw)
-        column, row = math.floor((around[0] - ox) / cell), math.floor((around[1] - oy) / cell)
+    def near_cells(self, node: TurnNode, around: XY, every: bool = False) -> Iterator[NearCell]:
+        """Free cells (or ``every`` one) from the nearest on."""
+        forbidden, rows, columns, cell, ox, oy = self.cells
+        column = math.floor((around[0] - ox) / cell)
+        row = math.floor((around[1] - oy) / cell)
         for dc, dr, away in _ring(cell):
             i, j = column + dc, row + dr
-            if not (0 <= i < columns and 0 <= j < rows) or (
-                forbidden[j * columns + i] and not every
-            ):
+            if not (0 <= i < columns and 0 <= j < rows):
                 continue
-            qx, qy = ox + (i + 0.5) * cell, oy + (j + 0.5) * cell
-            dx, dy = qx - place.x, qy - place.y
-            yield c * dx + s * dy, c * dy - s * dx, qx, qy, away
+            if forbidden[j * columns + i] and not every:
+                continue
+            ax, ay = ox + (i + 0.5) * cell, oy + (j + 0.5) * cell
+            yield NearCell(Landing(*node.posture.canonical(ax, ay), ax, ay), away)
 
-    def sway(self, place: Place, leg: int) -> Move | None:
-        """The shortest shift of the body on four legs after which ``leg`` can swing: for a useful
-        way, else at all.
+    def body_shifts(self, node: TurnNode, legs: list[int]) -> Iterator[BodyShift]:
+        """For every leg the shortest shift of the body on four legs after which it can swing: for a
+        useful way, else at all.
         """
-        feet, arc = place.feet, self.circular.arc
-        i, j, k = OTHERS[leg]
-        triangle = support_polygon((feet[i], feet[j], feet[k]))
-        if len(triangle) < 3:
-            return None
-        ahead = arc.pose(2.0 * self.useful)
-        within = self._room(feet)
+        feet = node.posture.feet
+        room = shift_room(self.nominal, feet)
+        ahead_x, ahead_y, _ = self.arc.pose(2.0 * self.useful)
+        for leg in legs:
+            triangle = triangle_of(node.posture, leg)
+            if len(triangle) < 3:
+                continue
+            to = self._into(room, triangle, ahead_x, ahead_y)
+            if to is not None:
+                yield body_shift_to(node.posture, *to)
+
+    def _into(
+        self, room: list[XY], triangle: tuple[XY, ...], ahead_x: float, ahead_y: float
+    ) -> XY | None:
         for inset in self.insets:
-            for reach in ((0.0, 0.0), ahead[:2]), ((0.0, 0.0),):
-                corners = within
-                for dx, dy in reach:
-                    corners = _inside_of(corners, triangle, inset, dx, dy)
+            here = inside_of(room, triangle, inset)
+            for corners in (inside_of(here, triangle, inset, ahead_x, ahead_y), here):
                 if corners:
                     to = nearest_of(corners, 0.0, 0.0)
-                    if math.hypot(*to) >= SWAY_MIN:
-                        return Move(-1, 0.0, 0.0, to, to, place.absolute(*to), inset)
+                    if math.hypot(*to) >= SHIFT_MIN:
+                        return to
         return None
-
-    def _room(self, feet: tuple[XY, ...]) -> list[XY]:
-        """Where the body may be shifted to with every foot in reach, or no farther out of it than
-        it is: a rectangle.
-        """
-        x1, x2, y1, y2 = -math.inf, math.inf, -math.inf, math.inf
-        for (fx, fy), box in zip(feet, self.circular.boxes, strict=True):
-            x1, x2, y1, y2 = (
-                max(x1, fx - box[1]),
-                min(x2, fx - box[0]),
-                max(y1, fy - box[3]),
-                min(y2, fy - box[2]),
-            )
-        x1, x2, y1, y2 = min(x1, 0.0), max(x2, 0.0), min(y1, 0.0), max(y2, 0.0)
-        return [(x1, y1), (x2, y1), (x2, y2), (x1, y2)]
-
-    def after(self, place: Place, move: Move) -> tuple[Place, float]:
-        """The posture at N_{k+1}, and the way gone less what could have been gone in the time: the
-        cheap roll-out of one step.
-        """
-        if move.leg < 0:
-            dx, dy = move.landing
-            feet = tuple((fx - dx, fy - dy) for fx, fy in place.feet)
-            return Place(
-                *move.ground, place.yaw, feet, self.exits(feet), place.last, place.way, True
-            ), -math.hypot(dx, dy)
-        arc = self.circular.arc
-        dx, dy, turn = arc.pose(move.g)
-        feet = tuple(
-            arc.seen(*(move.landing if i == move.leg else foot), move.g)
-            for i, foot in enumerate(place.feet)
-        )
-        lost = max(0.0, self.full - (move.g - move.g0)) + (THIN_COST if move.inset < THIN else 0.0)
-        return Place(
-            *place.absolute(dx, dy),
-            place.yaw + turn,
-            feet,
-            self.exits(feet),
-            move.leg,
-            place.way + move.g,
-        ), move.g - lost
-
-
-def _inside_of(
-    corners: list[XY], polygon: tuple[XY, ...], inset: float, dx: float, dy: float
-) -> list[XY]:
-    """The part of a convex polygon whose points, moved by (dx, dy), are inside another by
-    ``inset``.
-    """
-    ax, ay = polygon[-1]
-    for bx, by in polygon:
-        ex, ey = bx - ax, by - ay
-        length = math.hypot(ex, ey)
-        nx, ny = -ey / length, ex / length
-        if corners:
-            corners = clipped(corners, nx, ny, nx * (dx - ax) + ny * (dy - ay) - inset)
-        ax, ay = bx, by
-    return corners
 
 
 @lru_cache(maxsize=16)
@@ -363,13 +327,15 @@ def _ring(cell: float) -> tuple[tuple[int, int, float], ...]:
         for c in range(-count, count + 1)
         for r in range(-count, count + 1)
     ]
-    return tuple(
-        sorted((step for step in steps if step[2] <= FAR_ENOUGH), key=lambda step: (step[2], step))
-    )
+    near = (step for step in steps if step[2] <= FAR_ENOUGH)
+    return tuple(sorted(near, key=lambda step: (step[2], step)))
+
+
+# the step that is taken
 
 
 def turns(command: Command, machine: Machine) -> bool:
-    """True when the course of a command bends enough to be an arc."""
+    """True when the path of a command bends enough to be an arc."""
     pace = math.hypot(command.speed, machine.yaw_length * command.turn_rate)
     return abs(command.turn_rate) > STRAIGHT * pace
 
@@ -384,10 +350,10 @@ def plan_turn(
     explain: bool = False,
 ) -> StepPlan | Blocked:
     """The next step of a turning walk from N_k, or why there is none."""
-    return run_to_completion(think_turn(stance, command, terrain, machine, gait, explain=explain))
+    return run_to_completion(turn_job(stance, command, terrain, machine, gait, explain=explain))
 
 
-def think_turn(
+def turn_job(
     stance: Stance,
     command: Command,
     terrain: TerrainMap,
@@ -396,44 +362,142 @@ def think_turn(
     *,
     explain: bool = False,
 ) -> PlanningJob:
-    """The same, thought through piece by piece; always to the end, a few ticks of standing at most."""
+    """As ``plan_turn``, slice by slice; always to the end, a few ticks of standing at most."""
     arc, pace = arc_of_command(
         command.crab_angle, command.speed, command.turn_rate, machine.yaw_length
     )
-    circular = circular_gait(machine, gait, arc)
-    notes: Notes | None = (
-        {"crab_angle": command.crab_angle, "turn": arc.turn, "stride": circular.stride}
-        if explain
-        else None
-    )
-    outlook = Outlook(circular, stance, terrain, machine, gait)
-    rises, stay = outlook.rises, outlook.promise(outlook.root)
-    answer: StepPlan | Blocked = Blocked(
-        "no sequence of swings and sways leads on along the arc", None, notes
-    )
-    for depth, width, anywhere in LOOKS[HURRIED:] if outlook.hurries else LOOKS:
+    nominal = nominal_gait_on(machine, gait, arc, command.crab_angle)
+    log: DecisionLog | None = None
+    if explain:
+        log = {"crab_angle": command.crab_angle, "turn": arc.turn, "stride": nominal.stride}
+    posture = posture_of(nominal, stance)
+    search = TurnSearch(FootholdChecks(nominal, posture, stance, terrain, machine, gait))
+    reason = "no sequence of swings and body shifts leads on along the arc"
+    answer: StepPlan | Blocked = Blocked(reason, None, log)
+    for depth, width, anywhere in LOOKS[IN_NEED_LOOK:] if search.in_need else LOOKS:
         # half a search knows no better than to stay, and a walk of such answers never ends
-        found = yield from uninterruptible(outlook.look(depth, width, anywhere))
-        if notes is not None:
-            notes["lookahead"] = turning_log.weighed(found.ways, depth)
+        found = yield from uninterruptible(search.look(depth, width, anywhere))
+        weighed = [_entry(search, way) for way in firsts(found.ways)] if explain else []
+        note_search(log, "turn", depth, weighed)
         for way in firsts(found.ways):
-            if way.state.way < outlook.useful and (
-                outlook.hurries or outlook.promise(way.state) <= stay + STILL
-            ):
-                continue  # no better than to stay
-            plan: StepPlan | Blocked
-            if notes is not None:
-                notes["legs"] = turning_log.legs_tried(outlook, way.first)
-                notes["domain"] = (
-                    turning_log.searched(outlook, way.first) if way.first.leg >= 0 else None
-                )
-            if way.first.leg < 0:
-                plan = sway_plan(rises, way.first, pace, notes)
-            else:
-                plan = swing_plan(rises, way.first, command, pace, outlook.useful, notes)
-            if isinstance(plan, StepPlan):
-                return plan
-            answer = plan
-    if notes is not None and "legs" not in notes:
-        notes["legs"] = turning_log.legs_tried(outlook, None)
+            if not _gets_on(search, way):
+                continue
+            _note_legs(search, way.first, log)
+            answer = _planned(search, way.first, pace, log)
+            if isinstance(answer, StepPlan):
+                return answer
+    if log is not None and "legs" not in log:
+        _note_legs(search, None, log)
     return answer
+
+
+def _gets_on(search: TurnSearch, way: TurnBranch) -> bool:
+    """True of a way that is better than to stay."""
+    if way.node.way >= search.useful:
+        return True
+    better = search.heuristic(way.node) > search.heuristic(search.root) + STILL
+    return better and not search.in_need
+
+
+def _planned(
+    search: TurnSearch, first: Candidate, pace: float, log: DecisionLog | None
+) -> StepPlan | Blocked:
+    """The plan of the step that is taken, with how often in a row the body has not got on."""
+    checks, stance = search.checks, search.checks.stance
+    way = 0.0
+    if isinstance(first, BodyShift):
+        plan: StepPlan | Blocked = body_shift_plan(checks, first, pace, log)
+    else:
+        way = first.g
+        margin = least_margin(checks.nominal, checks.posture, first)
+        plan = swing_plan(checks, first._replace(margin=margin), pace, log)
+    if isinstance(plan, Blocked):
+        return plan
+    still = 0 if way >= search.useful else stance.still + 1
+    end = replace(plan.end, still=still, quarter_turns=stance.quarter_turns)
+    return changed(plan, end=end)
+
+
+def least_margin(nominal: NominalGait, posture: Posture, step: SwingStep) -> float:
+    """Least polygon margin of a step, looked at along it."""
+    least = math.inf
+    for polygon, low, high in (
+        (support_polygon(posture.feet), 0.0, step.g0),
+        (triangle_of(posture, step.leg), step.g0, step.g),
+    ):
+        for k in range(5):
+            dx, dy, _ = nominal.path.pose(low + k / 4 * (high - low))
+            least = min(least, polygon_margin(polygon, dx, dy))
+    return least
+
+
+# the decision log, worked out once the step is chosen: a walk that explains itself takes the same
+# steps
+
+
+def _entry(search: TurnSearch, way: TurnBranch) -> dict[str, Any]:
+    """A way of the search: its first step, and how it scored."""
+    first = way.first
+    entry: dict[str, Any] = {"score": way.score, "gain": way.gain, "steps": way.steps}
+    if isinstance(first, BodyShift):
+        there = search.root.posture.absolute(first.x, first.y)
+        return entry | {"leg": None, "margin": first.margin, "body": list(there)}
+    return entry | {
+        "leg": first.leg + 1,
+        "g0": first.g0,
+        "g": first.g,
+        "inset": first.margin,
+        "landing": [first.landing.ax, first.landing.ay],
+    }
+
+
+def _note_legs(search: TurnSearch, taken: Candidate | None, log: DecisionLog | None) -> None:
+    """Every leg in the order of the arc's own walk, the successor first: how far the body could go,
+    the cells refused, or why not.
+    """
+    if log is None:
+        return
+    log["legs"] = []
+    nominal, root = search.nominal, search.root
+    last = root.posture.last
+    leg = nominal.order.successor[last] if last >= 0 else 0
+    for _ in range(4):
+        whole = nominal.stride + nominal.spares[leg]
+        trial = note_leg(log, leg, return_length=max(0.0, whole - root.exits[leg]))
+        shift = search.shift_of(root, leg)
+        if shift is None:
+            note_reason(trial, _why_not(search, leg))
+        elif trial is not None:
+            trial |= {"g0": shift.g0, "g": shift.g, "inset": shift.inset}
+            if isinstance(taken, SwingStep) and taken.leg == leg:
+                _note_refused(search, shift, taken, trial)
+            elif not any(True for _ in search.swings(root, shift, 0)):
+                note_reason(trial, StepRefusal.NONE_IN_REACH)
+        leg = nominal.order.successor[leg]
+
+
+def _why_not(search: TurnSearch, leg: int) -> StepRefusal:
+    """Why ``leg`` cannot swing now: which condition of H §5.2 fails on the arc."""
+    root = search.root
+    shift = free_shift(search.nominal, root.posture, root.exits, leg, inset=search.insets[-1])
+    return shift if isinstance(shift, StepRefusal) else StepRefusal.UNCARRIED
+
+
+def _note_refused(search: TurnSearch, shift: Shift, taken: SwingStep, trial: DecisionLog) -> None:
+    """Cells nearer to I_u than J_u that were passed over within the leg's reach, and why."""
+    root, landing = search.root, taken.landing
+    x1, x2, y1, y2 = search.nominal.boxes[taken.leg]
+    around = root.posture.absolute(*taken.start)
+    nearer = math.dist((landing.ax, landing.ay), around) + search.cells.cell / 2
+    for cell, _ in search.near_cells(root, around, every=True):
+        if math.dist((cell.ax, cell.ay), around) > nearer or len(trial["refused"]) == REFUSED_MAX:
+            break
+        x, y = search.arc.seen(cell.x, cell.y, taken.g)
+        if not (x1 <= x <= x2 and y1 <= y <= y2) or cell[2:] == landing[2:]:
+            continue
+        if not search.cells.allows(cell.ax, cell.ay):
+            note_cell(trial, cell.ax, cell.ay, StepRefusal.PROHIBITED)
+            continue
+        refusal = None if search.checks.is_level else search.checks.refuses(shift, cell)
+        if refusal is not None:
+            note_cell(trial, cell.ax, cell.ay, refusal)

@@ -51,6 +51,16 @@ class ArcPath(NamedTuple):
         c, d = math.cos(angle), math.sin(angle)
         return c * x + d * y, c * y - d * x
 
+    def placed(self, x: float, y: float, s: float) -> tuple[float, float]:
+        """A point fixed to the body at (x, y), where it is after s in present body axes."""
+        dx, dy, angle = self.pose(s)
+        c, d = math.cos(angle), math.sin(angle)
+        return dx + c * x - d * y, dy + d * x + c * y
+
+    def reversed(self) -> ArcPath:
+        """The way back along the same line or arc."""
+        return ArcPath(-self.ux, -self.uy, -self.turn)
+
     def exit(self, x: float, y: float, box: Box) -> float:
         """How far the body may go before the foot at (x, y) leaves ``box``: H §5.2 (4)-(9) on a
         line; negative behind it.

@@ -22,8 +22,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..crab.gait import kept
 from ..geometry.paths import Box
+from ..motion.strides import kept
 from ..motion.swing import CLEARANCE
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap

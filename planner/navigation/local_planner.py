@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..crab.gait import critical_angle
+from ..motion.strides import critical_angle
 from ..protocols import PlanFunction, PlanningJob
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap

@@ -102,6 +102,11 @@ class Machine:
     card_chains: tuple[LegChain, ...] = ()  # as the card gives them; (): it gives none
     card_masses: Masses | None = None  # as the card gives them
 
+    def __hash__(self) -> int:
+        """Of what tells machines apart at a glance: gaits are looked up by machine in every step."""
+        first = self.legs[0]
+        return hash((self.name, self.speed, self.overreach, first.x, first.y, first.z))
+
     @cached_property
     def gait(self) -> Gait:
         """The gait it was made for; a scenario may override it."""

@@ -33,7 +33,7 @@ def test_a_beam_finds_the_way_that_a_greedy_choice_misses():
     found, _ = finish(beam(0, options, depth=3, width=4))
     assert found.finished
     # 2 then 2; then nothing: 5 and 6 are holes
-    assert found.ways[0].state == 4 and found.ways[0].gain == 4.0
+    assert found.ways[0].node == 4 and found.ways[0].gain == 4.0
     best = max(found.ways, key=lambda way: way.gain)
     assert best.first in (1, 2)
 
@@ -42,7 +42,7 @@ def test_where_no_way_goes_on_a_beam_answers_with_the_farthest_it_came_to():
     found, _ = finish(beam(4, options, depth=5, width=4))
     assert found == ([], True)
     found, _ = finish(beam(2, options, depth=5, width=4))
-    assert {way.state for way in found.ways} == {4}
+    assert {way.node for way in found.ways} == {4}
 
 
 def test_a_beam_pauses_after_every_state_it_looks_at_and_no_more():
@@ -61,16 +61,16 @@ def test_a_beam_that_is_wanted_now_answers_with_what_it_has():
 
 def test_rollouts_follow_the_policy_and_count_what_came_before():
     policy = lambda place: None if place + 1 in HOLES else (place + 1, 1.0)  # noqa: E731
-    choices = ((option, option.choice) for option in options(0, 0))
+    choices = ((option, option.candidate) for option in options(0, 0))
     found, pauses = finish(rollouts(choices, policy, 4, gained=10.0, before=1))
     assert pauses == 2
-    by_first = {way.first: (way.state, way.gain, way.steps) for way in found.ways}
+    by_first = {way.first: (way.node, way.gain, way.steps) for way in found.ways}
     assert by_first == {1: (2, 12.0, 3), 2: (2, 12.0, 2)}
 
 
 def test_rollouts_that_are_wanted_now_have_looked_at_one_option_at_least():
     found, pauses = finish(
-        rollouts(((o, o.choice) for o in islice(options(0, 0), 2)), lambda place: None, 4), True
+        rollouts(((o, o.candidate) for o in islice(options(0, 0), 2)), lambda place: None, 4), True
     )
     assert pauses == 1 and not found.finished and len(found.ways) == 1
 
@@ -78,8 +78,8 @@ def test_rollouts_that_are_wanted_now_have_looked_at_one_option_at_least():
 def test_of_equal_ways_the_one_found_first_is_the_best_and_each_first_choice_is_named_once():
     a, b = "a", "b"
     ways = [Branch(a, 1, 1.0, 1.0, 1), Branch(b, 2, 1.0, 1.0, 1), Branch(a, 3, 0.5, 2.0, 2)]
-    assert [way.state for way in ranked(ways)] == [3, 1, 2]
-    assert [(way.first, way.state) for way in firsts(ranked(ways))] == [("a", 3), ("b", 2)]
+    assert [way.node for way in ranked(ways)] == [3, 1, 2]
+    assert [(way.first, way.node) for way in firsts(ranked(ways))] == [("a", 3), ("b", 2)]
 
 
 def test_a_way_that_ends_early_is_slow():

@@ -18,9 +18,9 @@ from typing import Any
 
 import numpy as np
 
-from walking_console.planner.crab.gait import standard_for, standard_stance
+from walking_console.planner.crab.gait import nominal_gait, standard_stance
 from walking_console.planner.crab.planner import plan_step
-from walking_console.planner.crab.predictive_planner import at_once
+from walking_console.planner.crab.predictive_planner import plan_at_once
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.stability import polygon_margin, support_polygon
 from walking_console.planner.terrain.map import TerrainMap
@@ -55,7 +55,7 @@ MODES: dict[str, Planner] = {
     "paper": lambda stance, command, terrain, gait: plan_step(
         stance, command, terrain, TITAN, gait
     ),
-    "predictive": lambda stance, command, terrain, gait: at_once(
+    "predictive": lambda stance, command, terrain, gait: plan_at_once(
         stance, command, terrain, TITAN, gait
     ),
 }
@@ -196,7 +196,7 @@ def cell_walk(
         forbidden[math.floor((y + span / 2) / CELL), math.floor((x + span / 2) / CELL)] = False
     terrain, way, margin, seconds = level(forbidden, span), 0.0, math.inf, []
     ux, uy = math.cos(command.crab_angle), math.sin(command.crab_angle)
-    standard = standard_for(TITAN, gait, command.crab_angle)
+    nominal = nominal_gait(TITAN, gait, command.crab_angle)
     stuck = 0
     for index, (plan, took) in enumerate(plans(mode, stance, command, terrain, gait)):
         seconds.append(took)
@@ -208,7 +208,7 @@ def cell_walk(
         margin = min(margin, plan.margin_min)
         if index + 1 == steps:
             break
-    return way / steps / (standard.stride / (4 * gait.duty_factor)), margin, stuck, seconds
+    return way / steps / (nominal.stride / (4 * gait.duty_factor)), margin, stuck, seconds
 
 
 def rivers(

@@ -11,7 +11,7 @@ import argparse
 import math
 from dataclasses import dataclass
 
-from walking_console.planner.crab.gait import standard_for, stroke_length
+from walking_console.planner.crab.gait import nominal_gait, stroke_length
 from walking_console.planner.crab.slope_adaptation import fitted, followed
 from walking_console.planner.protocols import ATTITUDES
 from walking_console.planner.robot.model import load_machine
@@ -77,7 +77,7 @@ def walked(slope: float, course: float, attitude: str, steps: int) -> Walked:
             ended = "too slow"
     ended = ended or ("a forbidden step" if recorder.forbidden_steps else "")
     taken = max(1, console.walk.steps_begun - begun)
-    level = standard_for(TITAN, GAIT, 0.0).stride / (4.0 * GAIT.duty_factor)
+    level = nominal_gait(TITAN, GAIT, 0.0).stride / (4.0 * GAIT.duty_factor)
     return Walked(ended, (console.distance - half) / taken / level, recorder.margin_min, lean, out)
 
 

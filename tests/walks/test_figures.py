@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from walking_console.planner.crab.gait import critical_angle, stroke_length
-from walking_console.planner.crab.planner import cruise_speed
+from walking_console.planner.crab.step_plans import cruise_speed
+from walking_console.planner.motion.strides import critical_angle, stroke_length
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.types import TICK
 from walking_console.sim.runs.runner import run_scenario, succeeded

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from walking_console.planner.control.activities import Activity
-from walking_console.planner.crab.measures import is_standard, off_standard
+from walking_console.planner.crab.gait import is_standard, off_standard
 from walking_console.planner.types import POSTURES, Command, Mode
 from walking_console.sim.perception import disc
 from walking_console.sim.requests import Edit, Halt, Push, TakePosture

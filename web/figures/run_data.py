@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from walking_console.planner.crab.gait import Posture, Standard, posture_of, standard_for
+from walking_console.planner.crab.gait import NominalGait, Posture, nominal_gait, posture_of
 from walking_console.planner.geometry.paths import Box
 from walking_console.planner.robot.model import Machine, load_machine
 from walking_console.planner.terrain.map import TerrainMap
@@ -83,15 +83,15 @@ class RecordedWalk:
         legs = self.steps[k - 1]["swing"]
         return int(legs[0]) - 1 if legs else -1
 
-    def standard(self, k: int) -> Standard:
+    def nominal(self, k: int) -> NominalGait:
         """The standard walk step k is held against, in its canonical frame."""
-        return standard_for(self.machine, self.gait, float(self.steps[k - 1]["crab_angle"]))
+        return nominal_gait(self.machine, self.gait, float(self.steps[k - 1]["crab_angle"]))
 
-    def posture(self, k: int) -> tuple[Standard, Posture]:
+    def posture(self, k: int) -> tuple[NominalGait, Posture]:
         """The standard walk of step k and the posture it begins in."""
-        standard = self.standard(k)
-        stance = replace(self.stance(k - 1), quarter_turns=standard.quarter_turns)
-        return standard, posture_of(standard, stance)
+        nominal = self.nominal(k)
+        stance = replace(self.stance(k - 1), quarter_turns=nominal.quarter_turns)
+        return nominal, posture_of(nominal, stance)
 
     def height_at(self, x: Array, y: Array) -> Array:
         """True ground under points, m; NaN in holes. Beyond the map that of its edge."""

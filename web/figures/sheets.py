@@ -136,9 +136,9 @@ def compared(walk: RecordedWalk) -> str:
 def standard_walk(title: str, walks: Walks) -> Figure:
     """Four steps of a cycle, the course, the gait diagram (H figs. 5, 6a, 6b)."""
     walk = walks["walk"]
-    standard = walk.standard(1)
-    margin = f"standard margin s₀ = {standard.margin * 1000:.1f} mm"
-    note = f"{walk_note(walk)}; stroke λ* = {standard.stride:.3f} m, {margin}"
+    nominal = walk.nominal(1)
+    margin = f"standard margin s₀ = {nominal.margin * 1000:.1f} mm"
+    note = f"{walk_note(walk)}; stroke λ* = {nominal.stride:.3f} m, {margin}"
     tall = abs(math.sin(travel(walk))) > SLANTED
     sheet = blank_sheet(10.0, 7.6 if tall else 8.3, title, note)
     frames, course, diagram = _standard_places(sheet, tall)
@@ -234,7 +234,7 @@ def river(title: str, walks: Walks) -> Figure:
     """The crossing with numbered steps, eight of its steps, and the gait diagram (H fig. 13)."""
     walk = walks["walk"]
     terrain = walk.summary["scenario"]["terrain"]
-    stroke = f"stroke λ* = {walk.standard(1).stride:.2f} m"
+    stroke = f"stroke λ* = {walk.nominal(1).stride:.2f} m"
     note = f"{walk_note(walk)}; river {terrain['width']:.2f} m, {stroke}"
     sheet = blank_sheet(10.0, 11.4, title, note)
     edges = (0.06, 0.985, 0.925, 0.05)

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from walking_console.planner.crab.planner import cruise_speed
+from walking_console.planner.crab.step_plans import cruise_speed
 from walking_console.planner.types import TICK
 
 from ..scene.palette import LEGS

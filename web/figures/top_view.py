@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from walking_console.planner.crab.gait import Standard
+from walking_console.planner.crab.gait import NominalGait
 from walking_console.planner.geometry.paths import Box, line_exit
 from walking_console.planner.geometry.transforms import Pose, direction, placed, seen
 from walking_console.planner.types import Point, Stance
@@ -53,7 +53,7 @@ def step_frame(ax: Axes, walk: RecordedWalk, k: int, **look: Any) -> None:
     """
     stance = walk.stance(k - 1)
     leg = walk.swing(k)
-    _step_ground(ax, walk, stance, walk.standard(k), **look)
+    _step_ground(ax, walk, stance, walk.nominal(k), **look)
     _support_triangle(ax, stance, leg, leg_colour(leg))
     end = walk.body[walk.row(k)]
     _body_way(ax, stance.body, (float(end[0]), float(end[1])), walk.steps[k - 1]["g0"])
@@ -72,11 +72,11 @@ def stuck_frame(ax: Axes, walk: RecordedWalk, leg: int, label: str) -> None:
     """
     count = len(walk.steps)
     stance = walk.stance(count)
-    standard = walk.standard(count)
-    _step_ground(ax, walk, stance, standard)
+    nominal = walk.nominal(count)
+    _step_ground(ax, walk, stance, nominal)
     _support_triangle(ax, stance, leg, WARNING)
     pose = pose_of(stance)
-    ux, uy = direction(standard.course)
+    ux, uy = direction(nominal.course)
     room = _room_ahead(walk, stance, ux, uy)
     end = placed(pose, room * ux, room * uy)
     _body_way(ax, pose, end, 0.0)
@@ -106,7 +106,7 @@ def _room_ahead(walk: RecordedWalk, stance: Stance, ux: float, uy: float) -> flo
 
 
 def _step_ground(
-    ax: Axes, walk: RecordedWalk, stance: Stance, standard: Standard, **look: Any
+    ax: Axes, walk: RecordedWalk, stance: Stance, nominal: NominalGait, **look: Any
 ) -> None:
     """An empty plan around the body with the holes that are there; torso, reach rectangles, and the
     standard stroke line through the middle of each.
@@ -116,8 +116,8 @@ def _step_ground(
     bare(ax, shown[:2], shown[2:])
     _ground_marks(ax, walk, shown, **look)
     torso(ax, walk.machine.torso, pose)
-    ux, uy = direction(yaw + standard.course)
-    half = standard.stride / 2
+    ux, uy = direction(yaw + nominal.course)
+    half = nominal.stride / 2
     for leg in walk.machine.legs:
         rectangle(ax, leg.box, pose, facecolor="none", edgecolor=PALE, lw=0.6, zorder=1.8)
         mx, my = placed(pose, *leg.centre)

@@ -10,8 +10,9 @@ import pytest
 
 from tests.planner.crab.crab_walks import TITAN, command, gait, holes, look_at, random_stance
 from walking_console.planner.crab import predictive_planner, recovery
-from walking_console.planner.crab.gait import STRETCH_LEAN, standard_for, standard_stance
-from walking_console.planner.crab.predictive_planner import at_once
+from walking_console.planner.crab.gait import nominal_gait, standard_stance
+from walking_console.planner.crab.predictive_planner import plan_at_once
+from walking_console.planner.motion.strides import STRETCHED_LIFT_ROOM
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.types import Blocked, StepPlan
 
@@ -23,10 +24,12 @@ def far_reaching(machine):
     dx, dy, dz = machine.overreach
     wider = lambda span, by: (span[0] - by, span[1] + by)  # noqa: E731
     legs = tuple(
-        replace(leg, x=wider(leg.x, dx - STRETCH_LEAN), y=wider(leg.y, dy - STRETCH_LEAN))
+        replace(
+            leg, x=wider(leg.x, dx - STRETCHED_LIFT_ROOM), y=wider(leg.y, dy - STRETCHED_LIFT_ROOM)
+        )
         for leg in machine.legs
     )
-    return replace(machine, legs=legs, overreach=(STRETCH_LEAN, STRETCH_LEAN, dz))
+    return replace(machine, legs=legs, overreach=(STRETCHED_LIFT_ROOM, STRETCHED_LIFT_ROOM, dz))
 
 
 FAR = far_reaching(TITAN)
@@ -57,7 +60,7 @@ def walk(order, terrain, until, steps=60, stance=None):
     ux, uy = math.cos(order.crab_angle), math.sin(order.crab_angle)
     plans = []
     for _ in range(steps):
-        plan = at_once(stance, order, terrain, TITAN, settings, explain=True)
+        plan = plan_at_once(stance, order, terrain, TITAN, settings, explain=True)
         plans.append((stance, plan))
         if isinstance(plan, Blocked):
             break
@@ -112,11 +115,11 @@ def test_a_river_beyond_the_mechanical_limit_is_not_crossed_and_it_says_why():
 
 def test_stretched_legs_reach_their_mechanical_limit_less_what_lifting_needs():
     for degrees in (0, 90, 200):
-        usual = standard_for(TITAN, gait(), math.radians(degrees))
-        far = standard_for(TITAN, gait(), math.radians(degrees), stretched=True)
+        usual = nominal_gait(TITAN, gait(), math.radians(degrees))
+        far = nominal_gait(TITAN, gait(), math.radians(degrees), stretched=True)
         assert far.far_boxes == usual.far_boxes
         for box, limit in zip(far.boxes, far.far_boxes, strict=True):
-            assert np.abs(np.subtract(box, limit)) == pytest.approx(STRETCH_LEAN)
+            assert np.abs(np.subtract(box, limit)) == pytest.approx(STRETCHED_LIFT_ROOM)
 
 
 # few footholds, and no stretching: what a step back and another course are for
@@ -141,12 +144,12 @@ def without_stretching(monkeypatch):
 def test_a_course_within_the_cone_is_taken_where_the_commanded_one_ends(seed, monkeypatch):
     without_stretching(monkeypatch)
     stance, order, terrain = among_few_footholds(seed)
-    plan = at_once(stance, order, terrain, TITAN, gait(), explain=True)
+    plan = plan_at_once(stance, order, terrain, TITAN, gait(), explain=True)
     assert isinstance(plan, StepPlan) and plan.decision["escape"] == "cone"
     aside = abs(math.degrees(plan.crab_angle - order.crab_angle))
     assert not plan.swing or aside in (pytest.approx(15.0, abs=0.6), pytest.approx(30.0, abs=0.6))
     monkeypatch.setattr(recovery, "CONE", ())
-    assert isinstance(at_once(stance, order, terrain, TITAN, gait()), Blocked)
+    assert isinstance(plan_at_once(stance, order, terrain, TITAN, gait()), Blocked)
 
 
 @pytest.mark.parametrize("seed", [795, 839])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from walking_console.planner import registry
-from walking_console.planner.crab.gait import standard_for, standard_stance, stroke_length
+from walking_console.planner.crab.gait import nominal_gait, standard_stance
 from walking_console.planner.crab.slope_adaptation import (
     LEAN_GRAIN,
     SHARE,
@@ -22,6 +22,7 @@ from walking_console.planner.crab.slope_adaptation import (
 )
 from walking_console.planner.initial_stance import Placement
 from walking_console.planner.motion.body_tilt import LEAN_STEP, LEVEL
+from walking_console.planner.motion.strides import stroke_length
 from walking_console.planner.protocols import Planner, PlannerError, PlannerSetup, run_to_completion
 from walking_console.planner.robot.model import Machine, load_machine
 from walking_console.planner.terrain.map import TerrainMap
@@ -83,13 +84,13 @@ def test_on_25_degrees_the_feet_of_the_standard_walk_stand_within_their_heights(
     assert machine is not None
     # one box mirrored to four quadrants, or ``reach`` raises
     assert machine.reach.z_span == TITAN.reach.z_span
-    standard = standard_for(machine, GAIT, math.radians(course))
+    nominal = nominal_gait(machine, GAIT, math.radians(course))
     if machine is not TITAN:
-        assert standard.stride <= standard_for(TITAN, GAIT, math.radians(course)).stride
-    ux, uy = math.cos(standard.course), math.sin(standard.course)
-    for row in standard.offsets:
+        assert nominal.stride <= nominal_gait(TITAN, GAIT, math.radians(course)).stride
+    ux, uy = math.cos(nominal.course), math.sin(nominal.course)
+    for row in nominal.layouts:
         heights = []
-        for leg, ahead in zip(standard.body_leg, row, strict=True):
+        for leg, ahead in zip(nominal.body_leg, row, strict=True):
             cx, cy = machine.legs[leg].centre
             heights.append(gx * (cx + ahead * ux) + gy * (cy + ahead * uy))
         assert max(heights) - min(heights) <= TITAN.reach.z_span * (

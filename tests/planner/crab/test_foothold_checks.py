@@ -1,60 +1,18 @@
-"""Level B3: the height of the body from the leading feet, and what lift and torso must clear."""
-
-import math
+"""Level B3: what heights allow of a step, and what lift and torso must clear."""
 
 import numpy as np
 import pytest
 
 from tests.planner.crab.crab_walks import TITAN, Blocked, command, gait, holes, relief, walk
-from walking_console.planner.crab.foothold_search import ground_of
-from walking_console.planner.crab.gait import posture_of, standard_for, standard_stance
-from walking_console.planner.crab.leg_selection import Shift, decide
-from walking_console.planner.crab.planner import Ahead
-from walking_console.planner.motion.body_height import (
-    body_height,
-    ground_ahead,
-    height_range,
-    torso_needs,
-    torso_needs_exactly,
-)
+from walking_console.planner.crab.decision_log import StepRefusal
+from walking_console.planner.crab.foothold_checks import FootholdChecks
+from walking_console.planner.crab.foothold_search import foothold_map
+from walking_console.planner.crab.gait import nominal_gait, posture_of, standard_stance
+from walking_console.planner.crab.leg_selection import decide
+from walking_console.planner.crab.planner import plan_step
+from walking_console.planner.crab.steps import Shift
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.terrain.traversability import classify
-
-
-def printed_20(left, right, at):
-    """(20) as printed: interpolation by x."""
-    return ((at - right[0]) * left[2] + (left[0] - at) * right[2]) / (left[0] - right[0])
-
-
-def test_the_height_ahead_is_interpolated_along_the_line_of_the_leading_feet():
-    left, right = (0.6, 0.4, 0.1), (0.4, -0.4, 0.3)
-    height, away = ground_ahead(left, right, 1.0, 0.0)
-    assert (height, away) == (pytest.approx(0.2), pytest.approx(0.5))
-    assert height == pytest.approx(printed_20(left, right, 0.5))
-
-
-def test_errata_20_feet_level_in_x_are_no_division_by_zero():
-    left, right = (0.5, 0.4, 0.0), (0.5, -0.4, 0.2)
-    with pytest.raises(ZeroDivisionError):
-        printed_20(left, right, 0.5)
-    assert ground_ahead(left, right, 1.0, 0.0) == (pytest.approx(0.1), pytest.approx(0.5))
-
-
-def test_a_course_that_misses_the_leading_feet_takes_their_mean():
-    assert ground_ahead((0.6, 0.2, 0.1), (0.5, 0.1, 0.3), 1.0, 0.0)[0] == pytest.approx(0.2)
-    assert ground_ahead((0.5, 0.2, 0.1), (0.6, 0.2, 0.3), 1.0, 0.0)[0] == pytest.approx(0.2)
-
-
-def test_the_body_climbs_in_proportion_to_its_way_and_within_the_reach_of_its_feet():
-    # (21)
-    assert body_height(0.85, 0.1, (0.2, 0.5), 0.85, 0.0, 9.0) == pytest.approx(
-        0.85 + 0.2 * 0.1 / 0.5
-    )
-    assert body_height(0.85, 0.1, (0.2, 0.5), 0.85, 0.0, 0.86) == 0.86
-    assert body_height(0.85, 0.1, (0.2, -0.1), 0.85, 0.0, 9.0) == pytest.approx(1.05), (
-        "beyond A the whole height is due"
-    )
-    assert height_range(TITAN, [0.0, 0.2, 0.1, 0.0]) == (pytest.approx(0.8), pytest.approx(1.1))
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -109,22 +67,7 @@ def test_a_low_block_between_the_feet_raises_the_body():
     )
 
 
-def test_the_torso_is_held_against_its_turned_rectangle_when_the_square_is_too_coarse():
-    heights = np.zeros((200, 200))
-    # 0.6 m beside the body: in the square, beyond the torso's width, but under its turned length
-    heights[112, 100] = 2.0
-    ground = TerrainMap(heights, heights > 1.0, 0.05, (-5.0, -5.0))
-    assert torso_needs(ground, TITAN, 0.0, 0.0, 0.0) > 2.0
-    assert torso_needs_exactly(ground, TITAN, 0.0, 0.0, 0.0) < 1.0
-    heights = heights.copy()
-    heights[109, 100] = 2.0
-    ground = TerrainMap(heights, heights > 1.0, 0.05, (-5.0, -5.0))
-    assert torso_needs_exactly(ground, TITAN, 0.0, 0.0, math.pi / 2) > 2.0
-
-
 def test_a_foothold_too_high_for_the_lift_is_refused_and_the_reason_noted():
-    from walking_console.planner.crab.planner import plan_step
-
     heights = np.where(np.arange(200)[None, :] * 0.05 - 5.0 > 0.72, 0.45, 0.0) * np.ones((200, 1))
     ledge = TerrainMap(heights, np.zeros(heights.shape, dtype=bool), 0.05, (-5.0, -5.0))
     stance = standard_stance(TITAN, gait(), 0.0, 0.0, 0.0, 0.0, ledge.height_at)
@@ -147,20 +90,20 @@ def test_the_leg_that_swings_is_not_swept_through_a_pole():
     """
     settings = gait()
     stance = standard_stance(TITAN, settings, 0.0, 0.0, 0.0, 0.0, lambda x, y: 0.0)
-    standard = standard_for(TITAN, settings, 0.0)
-    posture = posture_of(standard, stance)
-    step = decide(standard, posture, ground_of(holes()))
-    shift, leg = Shift(step.leg, step.g0, step.g, -1.0, 1.0), standard.body_leg[step.leg]
+    nominal = nominal_gait(TITAN, settings, 0.0)
+    posture = posture_of(nominal, stance)
+    step = decide(nominal, posture, foothold_map(holes()))
+    shift, leg = Shift(step.leg, step.g0, step.g, -1.0, 1.0), nominal.body_leg[step.leg]
     way = (step.g0 + step.g) / 2
     (hip_x, hip_y), (foot_x, foot_y) = TITAN.hips[leg], stance.feet[leg][:2]
     middle_x, middle_y = (foot_x + step.landing.ax) / 2, (foot_y + step.landing.ay) / 2
     x, y = hip_x + way + 0.5 * (middle_x - hip_x - way), hip_y + 0.5 * (middle_y - hip_y)
-    for height, refusal in ((0.0, None), (0.3, None), (0.8, "a leg would run into something tall")):
+    for height, refusal in ((0.0, None), (0.3, None), (0.8, StepRefusal.TALL)):
         open_ground = holes()
         heights = open_ground.heights.copy()
         row, column = open_ground.cell_at(x, y)
         heights[row, column] = height
         terrain = TerrainMap(heights, open_ground.forbidden, open_ground.cell, open_ground.origin)
-        ahead = Ahead(standard, posture, stance, terrain, TITAN, settings)
-        assert not ahead._new_leg_meets(shift, step.landing, 0.0, TITAN.height)
-        assert ahead.refuses(shift, step.landing) == refusal, height
+        checks = FootholdChecks(nominal, posture, stance, terrain, TITAN, settings)
+        assert not checks._new_leg_meets(shift, step.landing, TITAN.height)
+        assert checks.refuses(shift, step.landing) == refusal, height

@@ -7,12 +7,11 @@ import pytest
 
 from tests.planner.crab.crab_walks import TITAN, Blocked, command, gait, holes, random_stance, walk
 from walking_console.planner.crab.foothold_search import (
-    Ground,
+    FootholdMap,
     domain_of,
-    ground_of,
+    foothold_map,
     landings,
     nearest_in,
-    nearest_of,
     phase_point,
     stroke_in,
 )
@@ -20,12 +19,14 @@ from walking_console.planner.crab.gait import (
     IS_FRONT,
     IS_LEFT,
     PREDECESSOR,
+    nominal_gait,
     posture_of,
-    standard_for,
     standard_stance,
 )
-from walking_console.planner.crab.leg_selection import Shift, exits_of, shift_of
+from walking_console.planner.crab.leg_selection import exits_of, shift_of
+from walking_console.planner.crab.steps import Shift
 from walking_console.planner.geometry.paths import line_exit
+from walking_console.planner.geometry.polygons import nearest_of
 
 REACH = TITAN.reach
 # folded already: canonical legs are the body's
@@ -40,13 +41,13 @@ def cases(count=200, seed=1):
             RNG_ANGLES[int(rng.integers(len(RNG_ANGLES)))],
             gait(rng.uniform(0.75, 0.9)),
         )
-        standard = standard_for(TITAN, settings, angle)
-        posture = posture_of(standard, random_stance(rng))
-        exits = exits_of(standard, posture)
-        shift = shift_of(standard, posture, exits, int(rng.integers(4)))
+        nominal = nominal_gait(TITAN, settings, angle)
+        posture = posture_of(nominal, random_stance(rng))
+        exits = exits_of(nominal, posture)
+        shift = shift_of(nominal, posture, exits, int(rng.integers(4)))
         if isinstance(shift, Shift):
             found += 1
-            yield rng, standard, posture, exits, shift
+            yield rng, nominal, posture, exits, shift
 
 
 def test_method_1_is_the_hyperbola_of_17():
@@ -55,9 +56,9 @@ def test_method_1_is_the_hyperbola_of_17():
     """
     x, y = 0.0, 0.0
     for angle in RNG_ANGLES:
-        standard, t = standard_for(TITAN, gait(), angle), math.tan(angle)
+        nominal, t = nominal_gait(TITAN, gait(), angle), math.tan(angle)
         feet = ((0.55, 0.41), (-0.4, 0.5), (-0.3, -0.5), (0.5, -0.4))
-        domain = domain_of(standard, feet, (9.0, 9.0, 9.0, 9.0), 2, 0.1, True)
+        domain = domain_of(nominal, feet, (9.0, 9.0, 9.0, 9.0), 2, 0.1, True)
         (fx, fy), dx = feet[0], REACH.x0 + REACH.x_span
         for x in np.linspace(-0.65, -0.25, 9):
             y = x * t + (fy - fx * t) * dx / (x - fx + dx) if abs(x - fx + dx) > 1e-9 else math.nan
@@ -66,9 +67,9 @@ def test_method_1_is_the_hyperbola_of_17():
 
 
 def test_the_crossing_distance_is_where_the_course_meets_the_line():
-    for _, standard, posture, exits, shift in cases(100):
-        domain = domain_of(standard, posture.feet, exits, shift.leg, shift.g, True)
-        px, py = standard.centres[shift.leg]
+    for _, nominal, posture, exits, shift in cases(100):
+        domain = domain_of(nominal, posture.feet, exits, shift.leg, shift.g, True)
+        px, py = nominal.centres[shift.leg]
         s = domain.crossing(px, py)
         if abs(s) < 5.0:
             fx = domain.f_along * domain.ux - domain.f_across * domain.uy
@@ -84,8 +85,8 @@ def test_the_search_start_is_that_of_table_2(u, angle):
     about leaving the reach later.
     """
     beta, rng = 0.8, np.random.default_rng(u)
-    standard = standard_for(TITAN, gait(beta), angle)
-    stroke, c, s, r = standard.stride, math.cos(angle), math.sin(angle), REACH
+    nominal = nominal_gait(TITAN, gait(beta), angle)
+    stroke, c, s, r = nominal.stride, math.cos(angle), math.sin(angle), REACH
     # side is -sgn(u - 2.5) for u = 2, 3
     sign, side = math.copysign(1.0, angle), 1.0 if IS_LEFT[u] else -1.0
     if IS_FRONT[u]:
@@ -99,23 +100,23 @@ def test_the_search_start_is_that_of_table_2(u, angle):
             - (1 - beta) / (2 * beta) * stroke * s
         )
     for _ in range(20):
-        posture = posture_of(standard, random_stance(rng))
+        posture = posture_of(nominal, random_stance(rng))
         x_before, y_before = posture.feet[PREDECESSOR[u]]
-        cx, cy = standard.centres[u]
+        cx, cy = nominal.centres[u]
         ahead = [(x_before + delta_x - cx) / c]
         if abs(s) > 1e-9:
             ahead.append((y_before + delta_y - cy) / s)
-        assert phase_point(standard, posture, exits_of(standard, posture), u) == pytest.approx(
+        assert phase_point(nominal, exits_of(nominal, posture), u) == pytest.approx(
             min(ahead), abs=1e-9
         )
 
 
 def test_the_stroke_line_in_the_domain_is_what_the_predicates_say():
-    for rng, standard, posture, exits, shift in cases(300):
+    for rng, nominal, posture, exits, shift in cases(300):
         for convergent in (True, False):
-            domain = domain_of(standard, posture.feet, exits, shift.leg, shift.g, convergent)
-            low, high = stroke_in(standard, domain, shift.g)
-            cx, cy = standard.centres[shift.leg]
+            domain = domain_of(nominal, posture.feet, exits, shift.leg, shift.g, convergent)
+            low, high = stroke_in(nominal, domain)
+            cx, cy = nominal.centres[shift.leg]
             for t in rng.uniform(-0.4, 0.6, 20):
                 if min(abs(t - low), abs(t - high)) > 1e-6:
                     inside = domain.refuses(cx + t * domain.ux, cy + t * domain.uy) is None
@@ -127,11 +128,11 @@ def test_the_stroke_line_in_the_domain_is_what_the_predicates_say():
 
 
 def test_every_foothold_offered_is_in_the_domain_on_a_free_cell_and_none_is_offered_twice():
-    for seed, (_, standard, posture, exits, shift) in enumerate(cases(120)):
-        ground, terrain = ground_of(holes(0.5, seed, 4.0)), holes(0.5, seed, 4.0)
-        domain = domain_of(standard, posture.feet, exits, shift.leg, shift.g, True)
+    for seed, (_, nominal, posture, exits, shift) in enumerate(cases(120)):
+        ground, terrain = foothold_map(holes(0.5, seed, 4.0)), holes(0.5, seed, 4.0)
+        domain = domain_of(nominal, posture.feet, exits, shift.leg, shift.g, True)
         seen = set()
-        for start, landing in landings(standard, posture, domain, exits, shift.g, ground):
+        for start, landing in landings(nominal, posture, domain, exits, ground):
             assert terrain.allows(landing.ax, landing.ay)
             assert domain.refuses(landing.x, landing.y) is None
             assert posture.absolute(landing.x, landing.y) == pytest.approx(
@@ -147,14 +148,12 @@ def test_every_foothold_offered_is_in_the_domain_on_a_free_cell_and_none_is_offe
 
 
 def test_every_free_cell_of_the_domain_is_offered():
-    for seed, (_, standard, posture, exits, shift) in enumerate(cases(60, seed=7)):
+    for seed, (_, nominal, posture, exits, shift) in enumerate(cases(60, seed=7)):
         terrain = holes(0.6, seed, 4.0)
-        domain = domain_of(standard, posture.feet, exits, shift.leg, shift.g, False)
+        domain = domain_of(nominal, posture.feet, exits, shift.leg, shift.g, False)
         offered = {
             terrain.cell_at(landing.ax, landing.ay)
-            for start, landing in landings(
-                standard, posture, domain, exits, shift.g, ground_of(terrain)
-            )
+            for start, landing in landings(nominal, posture, domain, exits, foothold_map(terrain))
             if (landing.x, landing.y) != start
         }
         free = set()
@@ -171,15 +170,15 @@ def test_every_free_cell_of_the_domain_is_offered():
 
 
 def test_the_search_goes_sideways_first_then_row_by_row_from_the_stroke_line():
-    standard = standard_for(TITAN, gait(), 0.0)
+    nominal = nominal_gait(TITAN, gait(), 0.0)
     terrain = holes(0.0, span=4.0)
     posture = posture_of(
-        standard, standard_stance(TITAN, gait(), 0.0, 0.0, 0.0, 0.0, terrain.height_at)
+        nominal, standard_stance(TITAN, gait(), 0.0, 0.0, 0.0, 0.0, terrain.height_at)
     )
-    exits = exits_of(standard, posture)
-    shift = shift_of(standard, posture, exits, 2)
-    domain = domain_of(standard, posture.feet, exits, 2, shift.g, True)
-    found = landings(standard, posture, domain, exits, shift.g, ground_of(terrain))
+    exits = exits_of(nominal, posture)
+    shift = shift_of(nominal, posture, exits, 2)
+    domain = domain_of(nominal, posture.feet, exits, 2, shift.g, True)
+    found = landings(nominal, posture, domain, exits, foothold_map(terrain))
     start, *cells = [terrain.cell_at(landing.ax, landing.ay) for _, landing in found]
     columns = [column for _, column in cells]
     assert columns == sorted(columns, reverse=True), (
@@ -209,16 +208,16 @@ def test_beside_a_forbidden_search_start_the_foot_lands_on_a_cell_centre():
 
 def test_the_nearest_point_of_the_domain_is_in_it_and_no_cell_is_nearer():
     grid = holes(0.0, span=4.0)
-    for rng, standard, posture, exits, shift in cases(150, seed=3):
-        domain = domain_of(standard, posture.feet, exits, shift.leg, shift.g, True)
+    for rng, nominal, posture, exits, shift in cases(150, seed=3):
+        domain = domain_of(nominal, posture.feet, exits, shift.leg, shift.g, True)
         x, y = rng.uniform(-1, 1, 2)
         nearest = nearest_in(domain, x, y)
         fx, fy = posture.feet[(3, 3, 0, 0)[shift.leg]]
-        opposite = (standard.ux * fy - standard.uy * fx) * (1 if domain.left else -1) < 0
+        opposite = (nominal.path.ux * fy - nominal.path.uy * fx) * (1 if domain.left else -1) < 0
         if nearest is None or not opposite:
             continue
         away = math.hypot(nearest[0] - x, nearest[1] - y)
-        for _, landing in landings(standard, posture, domain, exits, shift.g, ground_of(grid)):
+        for _, landing in landings(nominal, posture, domain, exits, foothold_map(grid)):
             assert math.hypot(landing.x - x, landing.y - y) >= away - 1e-6
 
 
@@ -236,17 +235,17 @@ def test_of_a_domain_that_is_a_mere_line_the_nearest_point_is_on_it():
 
 
 def test_a_domain_may_be_empty():
-    standard = standard_for(TITAN, gait(), 0.0)
-    posture = posture_of(standard, random_stance(np.random.default_rng(0)))
-    domain = domain_of(standard, posture.feet, (0.0, 0.0, 0.0, 0.0), 2, 0.0, False)._replace(
+    nominal = nominal_gait(TITAN, gait(), 0.0)
+    posture = posture_of(nominal, random_stance(np.random.default_rng(0)))
+    domain = domain_of(nominal, posture.feet, (0.0, 0.0, 0.0, 0.0), 2, 0.0, False)._replace(
         limit=-5.0
     )
     assert nearest_in(domain, 0.0, 0.0) is None
-    assert list(landings(standard, posture, domain, (0.0,) * 4, 0.0, ground_of(holes()))) == []
+    assert list(landings(nominal, posture, domain, (0.0,) * 4, foothold_map(holes()))) == []
 
 
 def test_off_the_map_nothing_is_allowed():
-    ground = Ground(b"\x00" * 4, 2, 2, 0.1, 0.0, 0.0)
+    ground = FootholdMap(b"\x00" * 4, 2, 2, 0.1, 0.0, 0.0)
     assert ground.allows(0.05, 0.15)
     assert (
         not ground.allows(-0.01, 0.05)
@@ -256,14 +255,12 @@ def test_off_the_map_nothing_is_allowed():
 
 
 def test_own_exit_is_what_method_1_compares_with():
-    for _, standard, posture, exits, shift in cases(50, seed=9):
-        domain = domain_of(standard, posture.feet, exits, shift.leg, shift.g, True)
-        for _, landing in landings(
-            standard, posture, domain, exits, shift.g, ground_of(holes(span=4.0))
-        ):
+    for _, nominal, posture, exits, shift in cases(50, seed=9):
+        domain = domain_of(nominal, posture.feet, exits, shift.leg, shift.g, True)
+        for _, landing in landings(nominal, posture, domain, exits, foothold_map(holes(span=4.0))):
             if domain.hind:
                 own = line_exit(
-                    landing.x, landing.y, standard.boxes[shift.leg], standard.ux, standard.uy
+                    landing.x, landing.y, nominal.boxes[shift.leg], nominal.path.ux, nominal.path.uy
                 )
                 assert (
                     shift.g - 1e-6

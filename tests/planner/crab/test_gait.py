@@ -9,19 +9,21 @@ import pytest
 from tests.planner.crab.crab_walks import TITAN, Blocked, command, gait, walk
 from walking_console.planner.crab.gait import (
     HYSTERESIS,
-    LEAN,
     TIE,
-    critical_angle,
     folded,
+    nominal_gait,
+    nominal_gait_on,
     posture_of,
+    quarter_turned,
     quarter_turns,
-    standard_for,
     standard_margin,
     standard_stance,
-    stroke_length,
     touchdown_phases,
 )
 from walking_console.planner.crab.leg_selection import return_length
+from walking_console.planner.geometry.paths import ArcPath
+from walking_console.planner.motion.strides import LIFT_ROOM, critical_angle, stroke_length
+from walking_console.planner.stability import stable_interval, support_polygon
 
 FLAT = lambda x, y: 0.0  # noqa: E731
 
@@ -37,9 +39,9 @@ FLAT = lambda x, y: 0.0  # noqa: E731
     ],
 )
 def test_the_check_values_of_the_specification(degrees, stride, margin, g0, hind, front, order):
-    standard = standard_for(TITAN, gait(), math.radians(degrees))
-    assert standard.stride == pytest.approx(stride, abs=6e-5)
-    assert standard.margin == pytest.approx(margin, abs=6e-5)
+    nominal = nominal_gait(TITAN, gait(), math.radians(degrees))
+    assert nominal.stride == pytest.approx(stride, abs=6e-5)
+    assert nominal.margin == pytest.approx(margin, abs=6e-5)
     plans = walk(command(degrees), 8)
     assert tuple(plan.swing[0] + 1 for plan in plans) == order * 2
     for hind_step, front_step in zip(plans[::2], plans[1::2], strict=True):
@@ -85,16 +87,16 @@ def test_every_angle_folds_within_the_critical_angle_of_the_turned_machine():
     critical = critical_angle(TITAN)
     for tenth in range(-1800, 1801):
         angle = math.radians(tenth / 10)
-        standard = standard_for(TITAN, gait(), angle)
-        half = critical if standard.quarter_turns % 2 == 0 else math.pi / 2 - critical
-        assert abs(standard.crab_angle) <= half
-        assert abs(standard.course - angle) <= TIE + 1e-9
+        nominal = nominal_gait(TITAN, gait(), angle)
+        half = critical if nominal.quarter_turns % 2 == 0 else math.pi / 2 - critical
+        assert abs(math.atan2(nominal.path.uy, nominal.path.ux)) <= half
+        assert abs(nominal.course - angle) <= TIE + 1e-9
 
 
 def test_an_odd_turn_swaps_the_reach_and_relabels_the_legs():
-    standard = standard_for(TITAN, gait(), math.pi / 2)
-    assert standard.boxes[0] == (0.30, 0.65, 0.20, 0.70)
-    assert standard.body_leg == (1, 2, 3, 0)
+    nominal = nominal_gait(TITAN, gait(), math.pi / 2)
+    assert nominal.boxes[0] == (0.30, 0.65, 0.20, 0.70)
+    assert nominal.body_leg == (1, 2, 3, 0)
 
 
 def test_a_stick_trembling_on_the_boundary_does_not_turn_the_gait_over():
@@ -125,11 +127,11 @@ def test_at_a_switching_point_the_last_foot_is_at_the_front_of_its_stroke():
     for degrees in range(-180, 181, 15):
         settings, angle = gait(), math.radians(degrees)
         stance = standard_stance(TITAN, settings, angle, 1.0, -2.0, 0.3, FLAT)
-        standard = standard_for(TITAN, settings, angle)
-        posture = posture_of(standard, stance)
-        assert return_length(standard, posture, posture.last) == pytest.approx(0.0, abs=1e-12)
+        nominal = nominal_gait(TITAN, settings, angle)
+        posture = posture_of(nominal, stance)
+        assert return_length(nominal, posture, posture.last) == pytest.approx(0.0, abs=1e-12)
         for i, (x, y) in enumerate(posture.feet):
-            box = standard.boxes[i]
+            box = nominal.boxes[i]
             assert box[0] - 1e-9 <= x <= box[1] + 1e-9 and box[2] - 1e-9 <= y <= box[3] + 1e-9
 
 
@@ -152,5 +154,62 @@ def test_a_machine_without_overreach_keeps_room_to_lift_while_the_body_moves():
     assert not isinstance(plans[-1], Blocked)
     # the foot comes down ahead
     assert plans[-1].speed == pytest.approx(
-        LEAN / math.cos(math.radians(20)) * 0.64 / TITAN.lift_down
+        LIFT_ROOM / math.cos(math.radians(20)) * 0.64 / TITAN.lift_down
     )
+
+
+# a line is an arc of turn 0
+
+
+def straight_as_an_arc(degrees, duty_factor):
+    """The walk on a line, and that on an arc of turn 0, worked out as arcs are."""
+    settings = gait(duty_factor)
+    line = nominal_gait(TITAN, settings, math.radians(degrees))
+    course = line.course
+    return line, nominal_gait_on(TITAN, settings, ArcPath(math.cos(course), math.sin(course)))
+
+
+@pytest.mark.parametrize("duty_factor", [0.75, 0.8, 0.9])
+def test_an_arc_of_turn_0_has_the_strokes_of_the_line(duty_factor):
+    for degrees in range(-180, 180, 5):
+        line, arc = straight_as_an_arc(degrees, duty_factor)
+        assert arc.stride == pytest.approx(line.stride, abs=1e-9)
+        assert arc.ends == pytest.approx(line.ends, abs=1e-9)
+        assert arc.spares == pytest.approx(line.spares, abs=1e-9)
+        for leg, body_leg in enumerate(line.body_leg):
+            turned = quarter_turned(*line.centres[leg], line.quarter_turns)
+            assert arc.centres[body_leg] == pytest.approx(turned, abs=1e-9)
+
+
+@pytest.mark.parametrize("duty_factor", [0.75, 0.8, 0.9])
+def test_of_all_orders_and_phases_those_of_the_paper_keep_farthest_inside_on_an_arc_of_turn_0(
+    duty_factor,
+):
+    for degrees in range(-180, 180, 5):
+        line, arc = straight_as_an_arc(degrees, duty_factor)
+        place = line.body_leg
+        for leg in range(4):
+            assert arc.order.successor[place[leg]] == place[line.order.successor[leg]]
+            assert arc.order.predecessor[place[leg]] == place[line.order.predecessor[leg]]
+            assert arc.lags[place[leg]] == pytest.approx(line.lags[leg], abs=1e-9)
+            there = [arc.layouts[place[leg]][place[i]] for i in range(4)]
+            assert there == pytest.approx(line.layouts[leg], abs=1e-9)
+
+
+def longitudinal_margin_of(walk_on, leg):
+    """Least longitudinal margin of the nominal swing of a leg, on the three others (H §2.4)."""
+    ux, uy, _ = walk_on.path
+    swing = (1.0 - walk_on.duty_factor) / walk_on.duty_factor * walk_on.stride
+    places = list(zip(walk_on.centres, walk_on.layouts[leg], strict=True))
+    feet = [(cx + ahead * ux, cy + ahead * uy) for (cx, cy), ahead in places]  # as it lands
+    del feet[leg]
+    low, high = stable_interval(support_polygon(feet), 0.0, 0.0, ux, uy)
+    return min(-low - swing, high)
+
+
+@pytest.mark.parametrize("degrees", [-35, 0, 16, 90, 180])
+def test_on_an_arc_of_turn_0_every_swing_has_the_margin_of_the_line(degrees):
+    line, arc = straight_as_an_arc(degrees, 0.8)
+    for leg in range(4):
+        assert longitudinal_margin_of(line, leg) == pytest.approx(line.margin, abs=1e-9)
+        assert longitudinal_margin_of(arc, leg) == pytest.approx(line.margin, abs=1e-9)

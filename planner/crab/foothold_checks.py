@@ -1,0 +1,228 @@
+"""Level B3 before a step is taken: whether heights allow a foothold, and how high the body then
+stands (H §6, K's truncations).
+
+One description of a step serves lines and arcs: the body goes along the path of its gait. Only the
+height the body goes for differs. On a line it is H's, towards H above the ground where the course
+passes between the leading feet; on an arc no two feet lead, and it is H above the mean of all four.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+
+from ..geometry.transforms import Body, left_fold_sum
+from ..motion.body_height import (
+    body_height,
+    ground_ahead,
+    height_range,
+    torso_needs,
+    torso_needs_exactly,
+)
+from ..motion.swing import CLEARANCE
+from ..robot.collision import leg_in_the_way, something_tall
+from ..robot.model import Machine
+from ..terrain.map import TerrainMap
+from ..types import Gait, Point, Stance
+from .decision_log import StepRefusal
+from .gait import NominalGait, Posture
+from .steps import Landing, Shift, SwingStep
+
+# shares of a swing at which the leg that swings is held against tall things; coarser and a pole
+# slips between
+SWEPT = (0.0, 0.25, 0.5, 0.75)
+# shares of a step at which the legs are held against them; 6 cm apart at most
+LEG_CHECKS = (0.25, 0.5, 0.75, 1.0)
+LEVEL = 0.005  # m; feet this close to the height of level ground stand on it: no height to plan
+CLIMB = 0.4  # m the body may rise or sink per m of an arc
+
+Swinging = Shift | SwingStep
+
+
+class FootholdChecks:
+    """Heights around one stance: what Level B3 says of a foothold before it is taken."""
+
+    def __init__(
+        self,
+        nominal: NominalGait,
+        posture: Posture,
+        stance: Stance,
+        terrain: TerrainMap,
+        machine: Machine,
+        gait: Gait,
+    ) -> None:
+        self.nominal = nominal
+        self.posture = posture
+        self.stance = stance
+        self.terrain = terrain
+        self.machine = machine
+        self.gait = gait
+        self.heights = [stance.feet[leg][2] for leg in nominal.body_leg]  # legs of the gait frame
+        self.level = terrain.highest if terrain.is_level else math.nan
+        self.is_level = (
+            terrain.is_level
+            and all(abs(z - self.level) <= LEVEL for z in self.heights)
+            and self.ceiling(self.level + gait.height) >= self.level + CLEARANCE
+        )
+        self._met: dict[tuple[int, float], bool] = {}
+
+    def ground_at(self, landing: Landing) -> float:
+        """Height of the foothold, m."""
+        return self.level if self.is_level else self.terrain.height_at(landing.ax, landing.ay)
+
+    def body_at(self, way: float, z: float) -> Body:
+        """The body after so much way along the path, m, at height ``z``."""
+        dx, dy, turn = self.nominal.path.pose(way)
+        x, y = self.posture.absolute(dx, dy)
+        return x, y, z, self.stance.body[3] + turn
+
+    # the height of the body
+
+    def height_limits(self, step: Swinging, landing: Landing) -> tuple[float, float]:
+        """Lowest and highest CoG at N_{k+1}: all four feet in reach there, and u still in reach
+        after g0; low > high when none is.
+        """
+        return self._limits(step, self.ground_at(landing))
+
+    def _limits(self, step: Swinging, ground: float) -> tuple[float, float]:
+        leg, g0, g = step[:3]
+        heights = self.heights.copy()
+        heights[leg] = ground
+        low, high = height_range(self.machine, heights)
+        if g0 > 0.0:
+            z = self.stance.body[2]
+            share = g0 / g
+            bottom, top = height_range(self.machine, self.heights[leg : leg + 1])
+            low = max(low, z + (bottom - z) / share)
+            high = min(high, z + (top - z) / share)
+        return low, high
+
+    def height_after(
+        self, step: Swinging, landing: Landing, limits: tuple[float, float] | None = None
+    ) -> float:
+        """Height of the CoG at N_{k+1} within the limits (H §6), m."""
+        ground = self.ground_at(landing)
+        return self._height(step, landing, ground, limits or self._limits(step, ground))
+
+    def _height(
+        self, step: Swinging, landing: Landing, ground: float, limits: tuple[float, float]
+    ) -> float:
+        leg = step.leg
+        z = self.stance.body[2]
+        ux, uy, turn = self.nominal.path
+        if turn != 0.0:
+            heights = self.heights.copy()
+            heights[leg] = ground
+            wanted = left_fold_sum(heights) / 4 + self.gait.height - z
+            change = min(max(wanted, -CLIMB * step.g), CLIMB * step.g)
+            return min(max(z + change, limits[0]), limits[1])
+        left: Point = (*self.posture.feet[0], self.heights[0])
+        right: Point = (*self.posture.feet[3], self.heights[3])
+        if leg == 0:
+            left = landing.x, landing.y, ground
+        elif leg == 3:
+            right = landing.x, landing.y, ground
+        return body_height(z, step.g, ground_ahead(left, right, ux, uy), self.gait.height, *limits)
+
+    # what refuses a foothold
+
+    def refuses(self, shift: Shift, landing: Landing) -> StepRefusal | None:
+        """Why a foothold cannot be used for its height; None when it can."""
+        leg = shift.leg
+        if self.has_tall and self._standing_legs_meet(self.nominal.body_leg[leg], shift.g):
+            return StepRefusal.STANDING_LEG
+        ground = self.ground_at(landing)
+        if ground != ground:
+            return StepRefusal.UNKNOWN_GROUND
+        limits = self._limits(shift, ground)
+        if limits[0] > limits[1]:
+            return StepRefusal.TOO_UNEVEN
+        height = self._height(shift, landing, ground, limits)
+        if self.crest(leg, landing) + CLEARANCE > self.ceiling(height):
+            return StepRefusal.LIFT
+        if self.has_tall and (
+            self._new_leg_meets(shift, landing, height) or self._swinging_leg_meets(shift, landing)
+        ):
+            return StepRefusal.TALL
+        return None
+
+    @cached_property
+    def has_tall(self) -> bool:
+        """True when something near is tall enough to meet a leg."""
+        x, y, _, _ = self.stance.body
+        return something_tall(self.terrain, self.machine, x, y, min(self.heights))
+
+    def _new_leg_meets(self, shift: Shift, landing: Landing, height: float) -> bool:
+        """True when at the end of the step the leg that swings, on its new foothold, meets ground."""
+        foot = landing.ax, landing.ay, self.ground_at(landing)
+        return self._meets(self.body_at(shift.g, height), self._alone(shift.leg, foot))
+
+    def _swinging_leg_meets(self, shift: Shift, landing: Landing) -> bool:
+        """True when the leg that swings sweeps through ground on its way, lifted as it is; first
+        where its foot stands yet.
+        """
+        z = self.stance.body[2]
+        from_x, from_y, from_z = self.stance.feet[self.nominal.body_leg[shift.leg]]
+        lifted = max(from_z + self.gait.lift_up, self.crest(shift.leg, landing) + CLEARANCE)
+        top = min(lifted, self.ceiling(z))
+        for share in SWEPT:
+            foot = (
+                from_x + share * (landing.ax - from_x),
+                from_y + share * (landing.ay - from_y),
+                top if share else from_z,
+            )
+            body = self.body_at(shift.g0 + share * (shift.g - shift.g0), z)
+            if self._meets(body, self._alone(shift.leg, foot)):
+                return True
+        return False
+
+    def _standing_legs_meet(self, u: int, g: float) -> bool:
+        """True when on the way of the step a leg that stays meets ground, whatever the foothold;
+        asked for every cell, so remembered.
+        """
+        key = u, g
+        if key not in self._met:
+            z = self.stance.body[2]
+            feet: list[Point | None] = list(self.stance.feet)
+            feet[u] = None
+            self._met[key] = any(
+                self._meets(self.body_at(share * g, z), feet) for share in LEG_CHECKS
+            )
+        return self._met[key]
+
+    def _alone(self, leg: int, foot: Point) -> list[Point | None]:
+        feet: list[Point | None] = [None] * len(self.stance.feet)
+        feet[self.nominal.body_leg[leg]] = foot
+        return feet
+
+    def _meets(self, body: Body, feet: list[Point | None]) -> bool:
+        return leg_in_the_way(self.terrain, self.machine, body, feet) is not None
+
+    # what the swing and the torso must clear
+
+    def crest(self, leg: int, landing: Landing) -> float:
+        """Highest ground under the way of the swing foot, its own two footholds included, m."""
+        if self.is_level:
+            return self.level
+        px, py, z = self.stance.feet[self.nominal.body_leg[leg]]
+        between = self.terrain.crest_between(px, py, landing.ax, landing.ay)
+        return max(z, self.ground_at(landing), between)
+
+    def ceiling(self, height: float) -> float:
+        """How high a foot can be lifted in this step, m: the lift may use δz above the control
+        reach.
+        """
+        low = min(self.stance.body[2], height)
+        return low + self.machine.z_range[1] + self.machine.overreach[2]
+
+    def torso_needs(self, g: float, height: float) -> float:
+        """Lowest CoG at N_{k+1} at which the torso clears the ground there, m; -inf when ``height``
+        clears all of the map.
+        """
+        terrain = self.terrain
+        machine = self.machine
+        if terrain.highest + machine.torso[2] / 2 + CLEARANCE <= height:
+            return -math.inf
+        x, y, _, yaw = self.body_at(g, height)
+        needs = torso_needs(terrain, machine, x, y, yaw)
+        return needs if needs <= height else torso_needs_exactly(terrain, machine, x, y, yaw)

@@ -1,0 +1,253 @@
+"""A step Level B2 decided on as a plan: heights, clock and knots (Levels B3 and B4, H §6, §7).
+
+Every planner of this folder ends here, on lines and on arcs. Standing feet turn about the centre as
+the body does; the swing foot returns along a straight line in body axes, which is what the servos
+drive. Between knots the body goes straight: pieces of 0.02 rad are within 0.03 mm of an arc.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from functools import lru_cache
+
+from ..geometry.paths import ArcPath, Box, arc_exit
+from ..geometry.transforms import XY, turned_back
+from ..motion.step_builder import plan_of_one_foot, plan_on_all_feet
+from ..motion.strides import STRETCHED_LIFT_ROOM
+from ..motion.swing import SwingCorners, lift, profile_of, swing_speeds
+from ..motion.timing import (
+    BodyWay,
+    SwingDemand,
+    Timing,
+    knots,
+    return_limit_on,
+    speed_limit,
+    timing,
+)
+from ..robot.model import Machine
+from ..types import Blocked, Gait, Point, Stance, StepPlan
+from .decision_log import DecisionLog
+from .foothold_checks import FootholdChecks
+from .foothold_search import corners_of, domain_of
+from .gait import NominalGait, Posture, nominal_gait, quarter_turned
+from .leg_selection import EARLY, exits_of
+from .steps import BodyShift, SwingStep
+
+
+def swing_plan(
+    checks: FootholdChecks, step: SwingStep, speed: float, log: DecisionLog | None = None
+) -> StepPlan | Blocked:
+    """The plan of a swing, the body raised where its torso must clear the ground; ``Blocked`` where
+    the legs do not reach that high. ``speed`` is along the path, m/s; 0: as fast as it can.
+    """
+    limits = checks.height_limits(step, step.landing)
+    height = checks.height_after(step, step.landing, limits)
+    needs = checks.torso_needs(step.g, height)
+    if needs > height:
+        highest = limits[1]
+        if needs > highest:
+            return Blocked(
+                f"the torso would touch the ground: it needs {needs:.2f} m, the legs reach {highest:.2f} m",
+                None,
+                log,
+            )
+        height = needs
+    return build(checks, step, height, speed, log)
+
+
+def build(
+    checks: FootholdChecks,
+    step: SwingStep,
+    height: float,
+    speed: float,
+    log: DecisionLog | None = None,
+) -> StepPlan:
+    """The plan of a swing, the body ending at ``height`` (H §7)."""
+    nominal, posture, stance = checks.nominal, checks.posture, checks.stance
+    leg = nominal.body_leg[step.leg]
+    way = BodyWay(stance.body, (posture.c, posture.s), nominal.path, step.g, height)
+    landing: Point = (step.landing.ax, step.landing.ay, checks.ground_at(step.landing))
+    corners = lift(
+        stance.feet[leg],
+        landing,
+        checks.crest(step.leg, step.landing),
+        checks.ceiling(height),
+        height,
+        checks.machine,
+        checks.gait,
+    )
+    clock = _clock(checks, step, way, corners, speed)
+    rows, phases = knots(clock, profile_of(checks.gait), way, step.g0, corners)
+    if log is not None:
+        log["domain"] = searched(nominal, posture, step)
+    feet = list(stance.feet)
+    feet[leg] = landing
+    course = stance.course + step.g
+    end = Stance(way.end, tuple(feet), leg, nominal.quarter_turns, (), course)
+    return plan_of_one_foot(
+        stance,
+        leg,
+        rows,
+        phases,
+        end,
+        crab_angle=nominal.course,
+        support_shift=step.g0,
+        shift=step.g,
+        standard_margin=nominal.margin,
+        margin_min=step.margin,
+        speed=clock.speed if clock.speed > 0.0 else clock.support_speed,
+        speed_max=clock.speed_max if clock.speed > 0.0 else clock.support_speed,
+        search_start=(*posture.absolute(*step.start), landing[2]),
+        landing=landing,
+        decision=log,
+    )
+
+
+def body_shift_plan(
+    checks: FootholdChecks, shift: BodyShift, speed: float, log: DecisionLog | None = None
+) -> StepPlan:
+    """The plan of a four-leg shift: the body goes straight, at its height, no faster than the
+    nominal walk in that direction.
+    """
+    nominal, stance = checks.nominal, checks.stance
+    x, y, z, yaw = stance.body
+    end_x, end_y = checks.posture.absolute(shift.x, shift.y)
+    way = math.hypot(shift.x, shift.y)
+    course = math.atan2(end_y - y, end_x - x) - yaw
+    speed_max = cruise_speed(checks.machine, checks.gait, math.remainder(course, 2 * math.pi))
+    speed = min(speed_max, speed) if speed > 0.0 else speed_max
+    end = replace(
+        stance,
+        body=(end_x, end_y, z, yaw),
+        quarter_turns=nominal.quarter_turns,
+        course=stance.course + way,
+    )
+    return plan_on_all_feet(
+        stance,
+        (0.0, way / speed),
+        (stance.body, end.body),
+        end,
+        crab_angle=course,
+        support_shift=way,
+        shift=way,
+        standard_margin=nominal.margin,
+        margin_min=shift.margin,
+        speed=speed,
+        speed_max=speed_max,
+        decision=log,
+    )
+
+
+# the clock
+
+
+def _clock(
+    checks: FootholdChecks, step: SwingStep, way: BodyWay, corners: SwingCorners, speed: float
+) -> Timing:
+    nominal = checks.nominal
+    path = nominal.path
+    stand, top, over, aim = corners
+    fx, fy = checks.posture.feet[step.leg]
+    dx, dy = quarter_turned(step.landing.x - fx, step.landing.y - fy, nominal.quarter_turns)
+    if path.turn == 0.0:
+        courses = _courses(nominal, ())
+        limit = None
+    else:
+        dx, dy = turned_back(dx, dy, path.turn * step.g0)
+        courses = _courses(nominal, _corners(nominal.far_boxes))
+        limit = return_limit_on(way, step.g0, corners)
+    demand = SwingDemand(
+        (dx, dy, over[2] - top[2]),
+        courses,
+        way.dz,
+        step.g0,
+        step.g,
+        top[2] - stand[2],
+        over[2] - aim[2],
+        _room(nominal, checks.posture, step),
+        limit,
+    )
+    machine = checks.machine
+    gait = checks.gait
+    return timing(machine, gait, demand, speed, lambda: cruise_on(machine, gait, nominal))
+
+
+def _room(nominal: NominalGait, posture: Posture, step: SwingStep) -> tuple[float, float]:
+    """How far the body may go on during the lift and during the descent before the foot is out of
+    mechanical reach, m.
+    """
+    path = nominal.path
+    box = nominal.far_boxes[step.leg]
+    x, y = path.seen(step.landing.x, step.landing.y, step.g)
+    behind = arc_exit(*posture.feet[step.leg], box, path) - step.g0
+    beyond = arc_exit(x, y, box, path.reversed())
+    if path.turn == 0.0:
+        return max(behind, STRETCHED_LIFT_ROOM), max(beyond, STRETCHED_LIFT_ROOM)
+    # a foot that touches early, at mid-descent, is no farther than that beyond its place
+    drift = max(*map(abs, _rate(path, x, y)), 1e-9)
+    return max(behind, EARLY / 2), min(max(beyond, EARLY / 2), 2 * EARLY / drift)
+
+
+def _rate(path: ArcPath, x: float, y: float) -> XY:
+    """How the body goes past a standing foot at (x, y), per metre of s."""
+    return path.ux - path.turn * y, path.uy + path.turn * x
+
+
+def _courses(nominal: NominalGait, places: Iterable[XY]) -> tuple[XY, ...]:
+    """The body's way past standing feet at ``places`` per metre of s, body axes; past all alike on
+    a line.
+    """
+    path = nominal.path
+    if path.turn == 0.0:
+        return (quarter_turned(path.ux, path.uy, nominal.quarter_turns),)
+    return tuple(_rate(path, x, y) for x, y in places)
+
+
+def _corners(boxes: Iterable[Box]) -> Iterator[XY]:
+    """Of all that feet reach: where the body goes past fastest."""
+    return ((x, y) for x1, x2, y1, y2 in boxes for x in (x1, x2) for y in (y1, y2))
+
+
+def cruise_speed(machine: Machine, gait: Gait, crab_angle: float) -> float:
+    """v_max of the nominal walk at a crab angle, m/s: what a command is held against before any
+    step is planned.
+    """
+    return cruise_on(machine, gait, nominal_gait(machine, gait, crab_angle))
+
+
+def cruise_on(machine: Machine, gait: Gait, nominal: NominalGait) -> float:
+    """v_max of the nominal front step on level ground, m/s: past the slowest C_i on an arc."""
+    courses = _courses(nominal, nominal.centres)
+    return _cruise(machine, gait, nominal.duty_factor, nominal.stride, courses)
+
+
+@lru_cache(maxsize=512)
+def _cruise(
+    machine: Machine, gait: Gait, duty_factor: float, stride: float, courses: tuple[XY, ...]
+) -> float:
+    g = (1.0 - duty_factor) / duty_factor * stride
+    limits = swing_speeds(machine, gait)
+    way = stride + g
+    lifting = (gait.lift_up + gait.lift_down) / limits[2]
+    return min(
+        speed_limit((way * nx, way * ny, 0.0), (nx, ny, 0.0), limits, g, lifting)
+        for nx, ny in courses
+    )
+
+
+def searched(nominal: NominalGait, posture: Posture, step: SwingStep) -> list[list[float]]:
+    """Corners of D_u in the absolute frame, for the decision log; the leg's whole reach at N_{k+1}
+    where a search went beyond D_u.
+    """
+    x1, x2, y1, y2 = nominal.boxes[step.leg]
+    corners = [
+        nominal.path.placed(x, y, step.g) for x, y in ((x1, y1), (x2, y1), (x2, y2), (x1, y2))
+    ]
+    if nominal.path.turn == 0.0:
+        exits = exits_of(nominal, posture)
+        domain = domain_of(nominal, posture.feet, exits, step.leg, step.g, step.convergent)
+        if domain.refuses(step.landing.x, step.landing.y) is None:
+            corners = corners_of(domain)
+    return [list(posture.absolute(x, y)) for x, y in corners]

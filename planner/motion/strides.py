@@ -1,0 +1,63 @@
+"""How far the body goes on one foothold: the lengths that gaits, maps of passable ground and slopes
+work out from a leg's reach rectangle.
+
+All lengths are metres, all angles radians in body axes.
+"""
+
+from __future__ import annotations
+
+import math
+
+from ..geometry.paths import Box
+from ..robot.model import Machine
+
+# m of reach kept beyond the strokes for vertical lifting while the body moves; less and v_max
+# collapses
+LIFT_ROOM = 0.02
+# m; the same where legs stretch to the mechanical limit: the body goes 0.016 m/s as a foot comes
+# down
+STRETCHED_LIFT_ROOM = 0.005
+
+Boxes = tuple[Box, ...]
+
+
+def stroke_length(x_span: float, y_span: float, crab_angle: float) -> float:
+    """λ*, the longest stroke through the middle of a reach rectangle (H §4.3 (1))."""
+    c, s = abs(math.cos(crab_angle)), abs(math.sin(crab_angle))
+    along_x = x_span / c if c > 1e-12 else math.inf
+    along_y = y_span / s if s > 1e-12 else math.inf
+    return min(along_x, along_y)
+
+
+def critical_angle(machine: Machine) -> float:
+    """α_c, where the walk along x turns over into the walk along y (H §4.3 (2))."""
+    reach = machine.reach
+    return math.atan((reach.y0 + reach.y_span / 2) / (reach.x0 + reach.x_span / 2))
+
+
+def kept(overreach: float, stretched: bool) -> float:
+    """By how much footholds are planned inside the control reach, m; negative: outside it."""
+    return STRETCHED_LIFT_ROOM - overreach if stretched else max(0.0, LIFT_ROOM - overreach)
+
+
+def planning_boxes(machine: Machine, quarter_turns: int, stretched: bool) -> Boxes:
+    """Where footholds are planned, one rectangle for each quadrant of the body frame turned by so
+    many quarter turns; odd numbers swap (x0, x*) with (y0, y*) (H table 1).
+    """
+    over_x, over_y, _ = machine.overreach
+    return _widened(machine, quarter_turns, -kept(over_x, stretched), -kept(over_y, stretched))
+
+
+def mechanical_boxes(machine: Machine, quarter_turns: int) -> Boxes:
+    """As ``planning_boxes``, where a foot can be at all."""
+    over_x, over_y, _ = machine.overreach
+    return _widened(machine, quarter_turns, over_x, over_y)
+
+
+def _widened(machine: Machine, quarter_turns: int, more_x: float, more_y: float) -> Boxes:
+    x1, x2, y1, y2 = machine.boxes[0]
+    spans = [(x1 - more_x, x2 + more_x), (y1 - more_y, y2 + more_y)]
+    if quarter_turns % 2:
+        spans.reverse()
+    (x1, x2), (y1, y2) = spans
+    return (x1, x2, y1, y2), (-x2, -x1, y1, y2), (-x2, -x1, -y2, -y1), (x1, x2, -y2, -y1)
