@@ -15,7 +15,8 @@ with tempfile.TemporaryDirectory() as folder:
     ticks = open_run(folder).ticks
     t, margin = ticks["t"], ticks["polygon_margin"]
     print(
-        f"polygon margin: {1000 * margin.min():.0f} mm at least, {1000 * margin.mean():.0f} on average"
+        f"polygon margin: {1000 * margin.min():.0f} mm at least, {1000 * margin.mean():.0f} on"
+        " average"
     )
 
     try:

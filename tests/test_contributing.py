@@ -1,4 +1,6 @@
-"""The recipes of CONTRIBUTING: that the files they name are the only ones that know such a thing."""
+"""The recipes of CONTRIBUTING: that the files they name are the only ones that know such a
+thing.
+"""
 
 import re
 from pathlib import Path

@@ -68,7 +68,8 @@ def below(folder: str) -> str:
 
 SIM_SEES = within(
     "planner",
-    "types protocols config geometry robot terrain stability statics registry initial_stance control",
+    "types protocols config geometry robot terrain stability statics registry initial_stance"
+    " control",
 )
 WEB_SEES = (
     f"walking_console.sim.snapshot {within('planner', 'types config stability robot geometry')}"
@@ -225,7 +226,8 @@ def faults(
     source: str, module: str, known: frozenset[str] = frozenset(), is_package: bool = False
 ) -> list[str]:
     found = [
-        f"{module}:{line} may not import {target if target != '?' else 'a name that cannot be read from the source'}"
+        f"{module}:{line} may not import"
+        f" {target if target != '?' else 'a name that cannot be read from the source'}"
         for line, target in imports(source, module, known, is_package)
         if not may_import(module, target)
     ]
@@ -345,7 +347,10 @@ def test_the_wall_holds_against(module: str, source: str) -> None:
     [
         (
             "planner.registry",
-            "import math\nimport numpy\nfrom .crab import planner\nfrom .trace.planner import plan_step",
+            (
+                "import math\nimport numpy\nfrom .crab import planner\nfrom .trace.planner import"
+                " plan_step"
+            ),
         ),
         (
             "planner.control.supervisor",
@@ -361,17 +366,26 @@ def test_the_wall_holds_against(module: str, source: str) -> None:
         ),
         (
             "sim.kinematic.plant",
-            "from walking_console.planner.types import Sensing\nfrom .contact import Contact\nimport pydantic",
+            (
+                "from walking_console.planner.types import Sensing\nfrom .contact import"
+                " Contact\nimport pydantic"
+            ),
         ),
         ("sim.kinematic.plant", "from walking_console.planner.robot import model"),
         ("sim.kinematic.contact", "import pymunk"),
         (
             "web.scene",
-            "import viser\nfrom walking_console.sim.snapshot import Snapshot\nfrom walking_console.planner.stability import margin",
+            (
+                "import viser\nfrom walking_console.sim.snapshot import Snapshot\nfrom"
+                " walking_console.planner.stability import margin"
+            ),
         ),
         (
             "sim.simulation",
-            "from walking_console.planner.control.supervisor import GaitSupervisor\nfrom collections import deque",
+            (
+                "from walking_console.planner.control.supervisor import GaitSupervisor\nfrom"
+                " collections import deque"
+            ),
         ),
         (
             "server.api.app",
@@ -395,7 +409,10 @@ def loaded_after_importing(modules: list[str]) -> set[str]:
     """What a fresh interpreter holds after importing these: catches what no reading of the source
     can.
     """
-    program = f"import importlib, sys\nfor name in {modules!r}: importlib.import_module(name)\nprint(*sys.modules)"
+    program = (
+        f"import importlib, sys\nfor name in {modules!r}:"
+        " importlib.import_module(name)\nprint(*sys.modules)"
+    )
     done = subprocess.run(
         [sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, timeout=60
     )

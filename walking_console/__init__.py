@@ -2,7 +2,7 @@
 console to drive it.
 
 These names are the library; what they are made of lives in ``walking_console.planner``, ``.sim``,
-``.server`` and ``.web``. Lengths are metres, angles radians, times seconds. Body axes are x forward,
+``.server`` and ``.web``. Lengths are metres, angles radians, times seconds. Body axes are x ahead,
 y left, z up. Legs are numbered from 0 in code and from 1 in files and on screens, counter-clockwise
 from front-left.
 """

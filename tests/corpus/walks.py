@@ -39,8 +39,14 @@ class Recipe:
     ticks: int = 0  # how long a walk with events is
 
 
-TURNS = "drive=[{t=0.0,crab_angle_deg=0.0,speed=0.06,turn_rate_deg_s=4.0},{t=25.0,crab_angle_deg=60.0,speed=0.05,turn_rate_deg_s=-6.0}]"
-STICK = "drive=[{t=0.0,crab_angle_deg=0.0,speed=0.2},{t=10.0,crab_angle_deg=90.0,speed=0.15},{t=20.0,speed=0.0,turn_rate_deg_s=12.0}]"
+TURNS = (
+    "drive=[{t=0.0,crab_angle_deg=0.0,speed=0.06,turn_rate_deg_s=4.0},"
+    "{t=25.0,crab_angle_deg=60.0,speed=0.05,turn_rate_deg_s=-6.0}]"
+)
+STICK = (
+    "drive=[{t=0.0,crab_angle_deg=0.0,speed=0.2},{t=10.0,crab_angle_deg=90.0,speed=0.15},"
+    "{t=20.0,speed=0.0,turn_rate_deg_s=12.0}]"
+)
 SIX = ("robot=hexapod", "planner=trace")
 FREE = "expect={}"
 

@@ -60,9 +60,7 @@ def test_roll_and_pitch_are_those_of_a_floor_with_that_gradient(yaw: float) -> N
     assert up[0] / up[2] == pytest.approx(-LEAN[0]) and up[1] / up[2] == pytest.approx(-LEAN[1])
 
 
-def test_a_foots_height_in_body_axes_is_its_sheared_height_times_the_cosine_whatever_its_place() -> (
-    None
-):
+def test_a_foots_height_in_body_axes_is_its_sheared_height_times_the_cosine_everywhere() -> None:
     roll, pitch = attitude_of(LEAN, STANCE.body[3])
     flat = unleaned(STANCE)
     for foot_b, foot in zip(seen(STANCE, roll, pitch).feet_b, flat.feet, strict=True):

@@ -290,8 +290,11 @@ def test_with_a_foot_in_the_air_no_posture_is_taken() -> None:
     machine = load_machine("titan3")
     stance, gait, terrain = level_stance(machine)
     hanging = replace(stance, lifted=(2,))
-    for answer in (sit(hanging, terrain, machine, gait), stand(hanging, terrain, machine, gait),
-                   run_to_completion(regroup(hanging, stance, terrain, machine, gait))):  # fmt: skip
+    for answer in (
+        sit(hanging, terrain, machine, gait),
+        stand(hanging, terrain, machine, gait),
+        run_to_completion(regroup(hanging, stance, terrain, machine, gait)),
+    ):
         assert isinstance(answer, Blocked) and answer.leg == 2 and "set down first" in answer.reason
 
 

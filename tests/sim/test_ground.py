@@ -413,8 +413,15 @@ def test_smooth_files_are_resampled_to_25_millimetres(tmp_path: Path) -> None:
 def test_a_runs_own_terrain_loads_with_its_cell_and_origin(tmp_path: Path, mask: Any) -> None:
     made = ground("holes")
     forbidden = np.isnan(made.heights)
-    mask(tmp_path / "terrain.npz", heights=made.heights.astype(np.float32), cell=made.cell, origin=made.origin, forbidden=forbidden,
-         believed_heights=made.heights.astype(np.float32), believed_forbidden=forbidden)  # fmt: skip
+    mask(
+        tmp_path / "terrain.npz",
+        heights=made.heights.astype(np.float32),
+        cell=made.cell,
+        origin=made.origin,
+        forbidden=forbidden,
+        believed_heights=made.heights.astype(np.float32),
+        believed_forbidden=forbidden,
+    )
     again = from_file(tmp_path / "terrain.npz", nan="hole")
     assert again.cell == made.cell and again.origin == made.origin
     np.testing.assert_array_equal(again.heights, made.heights)

@@ -91,7 +91,8 @@ def postures(count: int, modes: tuple[str, ...] = tuple(MODES)) -> None:
     span = 40.0
     terrain = level(np.zeros((800, 800), dtype=bool), span)
     print(
-        "| mode | postures | reach the standard walk | within 16 steps | median | 95 % | most | longest run with g = 0 |"
+        "| mode | postures | reach the standard walk | within 16 steps | median | 95 % | most |"
+        " longest run with g = 0 |"
     )
     print("|---|---|---|---|---|---|---|---|")
     for mode in modes:
@@ -117,7 +118,9 @@ def postures(count: int, modes: tuple[str, ...] = tuple(MODES)) -> None:
 
 
 def random_stance(rng: np.random.Generator) -> Stance:
-    """Feet anywhere in their reach such that the machine stands; nobody remembers who swung last."""
+    """Feet anywhere in their reach such that the machine stands; nobody remembers who swung
+    last.
+    """
     while True:
         feet = tuple((rng.uniform(*leg.x), rng.uniform(*leg.y), 0.0) for leg in TITAN.legs)
         if polygon_margin(support_polygon(feet), 0.0, 0.0) >= 0.0:
@@ -153,7 +156,8 @@ def cells(count: int, modes: tuple[str, ...] = tuple(MODES)) -> None:
     """
     angles = " | ".join(f"{angle}°" for angle in ANGLES)
     print(
-        f"| prohibited | mode | {angles} | mean | worst walk | least margin, mm | stuck | planning, ms: median, 95 % |"
+        f"| prohibited | mode | {angles} | mean | worst walk | least margin, mm | stuck | planning,"
+        " ms: median, 95 % |"
     )
     print("|---" * (len(ANGLES) + 7) + "|")
     for fraction in FRACTIONS:
@@ -169,7 +173,10 @@ def cells(count: int, modes: tuple[str, ...] = tuple(MODES)) -> None:
                     seconds += times
             means = [statistics.mean(shares[angle]) for angle in ANGLES]
             every = [share for walks in shares.values() for share in walks]
-            clock = f"{1e3 * statistics.median(seconds):.2f}, {1e3 * float(np.percentile(seconds, 95)):.1f}"
+            clock = (
+                f"{1e3 * statistics.median(seconds):.2f},"
+                f" {1e3 * float(np.percentile(seconds, 95)):.1f}"
+            )
             row = [
                 f"{fraction:.0%}",
                 mode,
@@ -255,7 +262,8 @@ def grounds(
     to their end with nothing amiss.
     """
     print(
-        "| ground | mode | seeds | fine | m/s | least margin, mm | times real time | what ended the others |"
+        "| ground | mode | seeds | fine | m/s | least margin, mm | times real time | what ended the"
+        " others |"
     )
     print("|---" * 8 + "|")
     for kind in kinds:

@@ -321,7 +321,8 @@ def answers(given: argparse.Namespace) -> None:
     the body moves.
     """
     print(
-        "| ground | stick | pushes | within 0.1 s | within 0.5 s | within 1 s | most, s | feet first |"
+        "| ground | stick | pushes | within 0.1 s | within 0.5 s | within 1 s | most, s | feet"
+        " first |"
     )
     print("|---" * 8 + "|")
     for ground in given.ground:
@@ -393,7 +394,10 @@ def circles(given: argparse.Namespace) -> None:
         for radius in given.radius:
             for degrees in range(-180, 180, EVERY) if radius else (0,):
                 for sense in (1, -1):
-                    key = f"circle {given.robot} {given.beta} {ground} {radius:g} m {degrees}° {'left' if sense > 0 else 'right'}"
+                    key = (
+                        f"circle {given.robot} {given.beta} {ground} {radius:g} m {degrees}°"
+                        f" {'left' if sense > 0 else 'right'}"
+                    )
                     if given.done(key):
                         seed = given.first + round(10 * radius) + degrees % 360 * 100 + (sense > 0)
                         seen = circle_walk(
@@ -428,9 +432,10 @@ class Kept:
             with self.out.open("a", encoding="utf-8") as file:
                 file.write(json.dumps(row) + "\n")
         print(
-            f"{key}: {row['amiss'] or 'well'}; {seen.steps} steps, {seen.way:.1f} m, {math.degrees(seen.turned):.0f}°, "
-            f"least margin {1e3 * seen.polygon_margin:.1f} mm, stood {seen.stood:.1f} s (till {seen.stood_at:.1f} s), "
-            f"blocked {seen.blocked:.1f} s {seen.reason}",
+            f"{key}: {row['amiss'] or 'well'}; {seen.steps} steps, {seen.way:.1f} m,"
+            f" {math.degrees(seen.turned):.0f}°, least margin {1e3 * seen.polygon_margin:.1f} mm,"
+            f" stood {seen.stood:.1f} s (till {seen.stood_at:.1f} s), blocked {seen.blocked:.1f} s"
+            f" {seen.reason}",
             flush=True,
         )
 
@@ -459,18 +464,28 @@ def table(rows: list[dict[str, Any]]) -> None:
             else "on the spot"
         )
         groups.setdefault((robot, beta, row["ground"], what), []).append(row)
-    print("| robot, β | ground | what | walks | with nothing amiss | simulated, min | steps | falls | forbidden steps | least margin, mm |"
-          " longest stand while driven, s: median, most | longest blocked, s |")  # fmt: skip
+    print(
+        "| robot, β | ground | what | walks | with nothing amiss | simulated, min | steps "
+        "| falls | forbidden steps | least margin, mm |"
+        " longest stand while driven, s: median, most | longest blocked, s |"
+    )
     print("|---" * 12 + "|")
     for (robot, beta, ground, what), walks in groups.items():
         stood = sorted(walk["stood"] for walk in walks)
         figures = [
-            f"{robot}, {beta}", ground, what, len(walks), sum(not walk["amiss"] for walk in walks),
-            f"{sum(walk['seconds'] for walk in walks) / 60:.0f}", sum(walk["steps"] for walk in walks),
-            sum(walk["falls"] for walk in walks), sum(walk["forbidden_steps"] for walk in walks),
-            f"{1e3 * min(walk['polygon_margin'] for walk in walks):.1f}", f"{stood[len(stood) // 2]:.1f}, {stood[-1]:.1f}",
+            f"{robot}, {beta}",
+            ground,
+            what,
+            len(walks),
+            sum(not walk["amiss"] for walk in walks),
+            f"{sum(walk['seconds'] for walk in walks) / 60:.0f}",
+            sum(walk["steps"] for walk in walks),
+            sum(walk["falls"] for walk in walks),
+            sum(walk["forbidden_steps"] for walk in walks),
+            f"{1e3 * min(walk['polygon_margin'] for walk in walks):.1f}",
+            f"{stood[len(stood) // 2]:.1f}, {stood[-1]:.1f}",
             f"{max(walk['blocked'] for walk in walks):.1f}",
-        ]  # fmt: skip
+        ]
         print("| " + " | ".join(map(str, figures)) + " |", flush=True)
     for row in rows:
         if row["amiss"]:

@@ -23,7 +23,10 @@ from walking_console.sim.runs.runner import read_arrays, read_run, run_scenario
 from walking_console.sim.scenario import load_scenario
 from walking_console.sim.terrain.ground import Ground
 
-HEAD = f"{'walk':<18} {'sag mm':>6} {'loads':>5} {'tilt °':>7} {'hang mm':>8} {'end %':>7} {'slip mm':>8} {'peak':>5}  verdict"
+HEAD = (
+    f"{'walk':<18} {'sag mm':>6} {'loads':>5} {'tilt °':>7} {'hang mm':>8} {'end %':>7}"
+    f" {'slip mm':>8} {'peak':>5}  verdict"
+)
 
 
 def recording_of(directory: Path) -> tuple[str, Recording]:

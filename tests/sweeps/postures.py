@@ -123,8 +123,14 @@ def row(name: str, kind: str, count: int) -> str:
         seconds.append(sum(plan.times[-1] for plan in plans))
         swings.append(sum(bool(plan.swing) for plan in plans))
         margins += [plan.margin_min for plan in plans if plan.swing]
-    figures = f"{count - stuck} of {count} | {np.median(swings):.0f}, {max(swings)} | {np.median(seconds):.1f}, {max(seconds):.1f}"
-    return f"| {name} | {kind} | {figures} | {1000 * min(margins):.0f} | {1000 * np.median(thought):.1f}, {1000 * max(thought):.1f} |"
+    figures = (
+        f"{count - stuck} of {count} | {np.median(swings):.0f}, {max(swings)} |"
+        f" {np.median(seconds):.1f}, {max(seconds):.1f}"
+    )
+    return (
+        f"| {name} | {kind} | {figures} | {1000 * min(margins):.0f} |"
+        f" {1000 * np.median(thought):.1f}, {1000 * max(thought):.1f} |"
+    )
 
 
 def main() -> None:
@@ -132,7 +138,8 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=1000)
     count = parser.parse_args().count
     print(
-        "| machine | ground | in the layout | swings: median, most | s: median, most | least margin, mm | thought, ms: median, most |"
+        "| machine | ground | in the layout | swings: median, most | s: median, most | least"
+        " margin, mm | thought, ms: median, most |"
     )
     print("|---|---|---|---|---|---|---|")
     for name in MACHINES:

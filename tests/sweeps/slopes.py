@@ -32,7 +32,9 @@ LOWEST = -0.001  # m of margin
 
 @dataclass(frozen=True)
 class Walked:
-    """One walk: what ended it early, way a step against level ground, and what it did on the way."""
+    """One walk: what ended it early, way a step against level ground, and what it did on the
+    way.
+    """
 
     ended: str
     share: float

@@ -71,10 +71,15 @@ def world(seed: int, base: World, mode: str) -> World:
 
 def base_world(mode: str) -> World:
     """Flat ground of the right size."""
-    scenario = scenario_from({
-        "name": "wrong-map", "mode": mode, "terrain": {"kind": "rough", "amplitude": 0.0, "cell": CELL},
-        "drive": [{"t": 0.0, "speed": 0.08}], "end": {"time": TIME, "distance": LENGTH},
-    })  # fmt: skip
+    scenario = scenario_from(
+        {
+            "name": "wrong-map",
+            "mode": mode,
+            "terrain": {"kind": "rough", "amplitude": 0.0, "cell": CELL},
+            "drive": [{"t": 0.0, "speed": 0.08}],
+            "end": {"time": TIME, "distance": LENGTH},
+        }
+    )
     return prepare(scenario)
 
 
@@ -109,8 +114,13 @@ def walk(seed: int, base: World, mode: str) -> dict[str, object]:
             }
         stuck = stuck + 1 if console.walk.blocked is not None else 0
         if stuck * TICK >= 10.0:
-            return {"result": "stopped", "reason": console.reason, "distance": console.distance, "hanging": hanging,
-                    "emergent": console.walk.contacts.counts}  # fmt: skip
+            return {
+                "result": "stopped",
+                "reason": console.reason,
+                "distance": console.distance,
+                "hanging": hanging,
+                "emergent": console.walk.contacts.counts,
+            }
     return {
         "result": "time",
         "distance": console.distance,

@@ -163,7 +163,7 @@ def test_the_walked_speed_is_that_of_the_formula(tmp_path, lift, pace):
     assert speed == pytest.approx(cruise_speed(walk.machine, walk.gait, 0.0), rel=0.01)
 
 
-def test_the_block_is_found_by_touch_its_cells_are_on_the_map_and_the_walk_ends_in_the_standard_gait(
+def test_the_block_is_found_by_touch_mapped_and_the_walk_ends_in_the_standard_gait(
     told,
 ):
     walk = told("fig19")

@@ -243,7 +243,7 @@ def test_a_command_to_move_in_the_middle_of_sitting_or_standing_raises_it_and_it
     assert console.plant.body[2] == pytest.approx(0.85, abs=1e-3)
 
 
-def test_letting_go_while_it_rises_to_walk_stops_it_at_once_and_the_next_command_raises_it_the_rest():
+def test_letting_go_while_it_rises_stops_it_at_once_and_the_next_command_raises_the_rest():
     console = walking(100)
     ask(console, "sit")
     console.order(WALK)
@@ -259,7 +259,7 @@ def test_letting_go_while_it_rises_to_walk_stops_it_at_once_and_the_next_command
 
 
 @pytest.mark.parametrize("settings", ((), SIX))
-def test_whenever_it_is_stopped_on_its_way_the_body_stops_at_once_and_all_feet_are_down_within_a_second(
+def test_stopped_on_its_way_the_body_stops_at_once_and_all_feet_are_down_within_a_second(
     settings,
 ):
     begun = walking(130, *settings)
@@ -453,8 +453,11 @@ def test_a_timeline_that_moves_in_a_posture_is_refused_in_one_line():
 
 
 def test_a_timeline_that_holds_in_the_middle_of_a_posture_stops_it_and_replays(tmp_path):
-    drive = ('drive=[{t=0.0, speed=0.1}, {t=2.6, posture="standard"}, {t=4.0}, {t=5.0, posture="sit"}, {t=5.5}, {t=7.0, speed=0.1},'
-             '{t=12.0, posture="stand"}]')  # fmt: skip
+    drive = (
+        'drive=[{t=0.0, speed=0.1}, {t=2.6, posture="standard"}, {t=4.0},'
+        ' {t=5.0, posture="sit"}, {t=5.5}, {t=7.0, speed=0.1},'
+        '{t=12.0, posture="stand"}]'
+    )
     walk = walked(tmp_path, "flat", drive, "end={time=14.0}", "expect={}")
     assert_always_true(walk)
     inputs = [json.loads(line) for line in (tmp_path / "inputs.jsonl").read_text().splitlines()]

@@ -1,4 +1,6 @@
-"""Slopes up to 25 degrees: strides fitted to them, and a body that is level or follows the ground."""
+"""Slopes up to 25 degrees: strides fitted to them, and a body that is level or follows the
+ground.
+"""
 
 import math
 

@@ -71,9 +71,21 @@ def test_feet_still_in_the_air_when_it_stands_are_not_meant_to_carry() -> None:
 
 
 def test_a_leg_that_waited_in_the_air_carries_again_once_it_is_set_down() -> None:
-    console = Simulation(prepare(scenario_from(
-        {"name": "six", "robot": "hexapod", "planner": "trace", "terrain": {"kind": "footholds", "fraction": 0.02}, "seed": 2,
-         "trace": {"kind": "sine"}}, None)))  # fmt: skip
+    console = Simulation(
+        prepare(
+            scenario_from(
+                {
+                    "name": "six",
+                    "robot": "hexapod",
+                    "planner": "trace",
+                    "terrain": {"kind": "footholds", "fraction": 0.02},
+                    "seed": 2,
+                    "trace": {"kind": "sine"},
+                },
+                None,
+            )
+        )
+    )
     for _ in range(400):
         console.order(Command(speed=0.1))
         console.step()

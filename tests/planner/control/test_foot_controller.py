@@ -122,9 +122,13 @@ class TestPlayback:
 
     def test_a_turning_body_counts_in_the_pace(self):
         turn = StepPlan(
-            (), np.array([0.0, 1.0]), np.array([[0, 0, HEIGHT, 0], [0, 0, HEIGHT, 0.5]]), np.array([FEET] * 2), (Phase.SHIFT,),
+            (),
+            np.array([0.0, 1.0]),
+            np.array([[0, 0, HEIGHT, 0], [0, 0, HEIGHT, 0.5]]),
+            np.array([FEET] * 2),
+            (Phase.SHIFT,),
             Stance((0, 0, HEIGHT, 0.5), FEET),
-        )  # fmt: skip
+        )
         assert (
             1.0 / (0.5 * math.hypot(0.45, 0.475))
             <= TrajectoryTracker(turn).pace_max(0.5, TITAN)
@@ -304,9 +308,13 @@ class TestServoLag:
     @staticmethod
     def lag(gains: Gains, ticks: int = 200, share: float = 0.7) -> tuple[float, list[Point]]:
         plan = StepPlan(
-            (), np.array([0.0, 8.0]), np.array([[0, 0, HEIGHT, 0], [0.4, 0, HEIGHT, 0]]), np.array([FEET] * 2), (Phase.SHIFT,),
+            (),
+            np.array([0.0, 8.0]),
+            np.array([[0, 0, HEIGHT, 0], [0.4, 0, HEIGHT, 0]]),
+            np.array([FEET] * 2),
+            (Phase.SHIFT,),
             Stance((0, 0, 0, 0), FEET),
-        )  # fmt: skip
+        )
         playback, state, x, out = TrajectoryTracker(plan), FRESH, 0.0, []
         for k in range(1, ticks + 1):
             out, state = reflex(playback, k * TICK, sensed((x, 0, HEIGHT, 0, 0, 0)), state, gains)

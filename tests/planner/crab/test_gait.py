@@ -75,9 +75,23 @@ def test_the_standard_margin_is_zero_at_three_quarters():
 
 @pytest.mark.parametrize(
     ("degrees", "n", "rest"),
-    [(0, 0, 0), (46, 0, 46), (-46, 0, -46), (47, 1, -43), (90, 1, 0), (133, 1, 43), (134, 2, -46), (180, 2, 0), (-180, 2, 0),
-     (226, 2, 46), (227, 3, -43), (270, 3, 0), (-90, 3, 0), (-47, 3, 43)],
-)  # fmt: skip
+    [
+        (0, 0, 0),
+        (46, 0, 46),
+        (-46, 0, -46),
+        (47, 1, -43),
+        (90, 1, 0),
+        (133, 1, 43),
+        (134, 2, -46),
+        (180, 2, 0),
+        (-180, 2, 0),
+        (226, 2, 46),
+        (227, 3, -43),
+        (270, 3, 0),
+        (-90, 3, 0),
+        (-47, 3, 43),
+    ],
+)
 def test_table_1_folds_every_crab_angle(degrees, n, rest):
     assert quarter_turns(TITAN, math.radians(degrees)) == n
     assert math.degrees(folded(math.radians(degrees), n)) == pytest.approx(rest, abs=1e-9)

@@ -32,7 +32,9 @@ def on_circle(radius, degrees=0.0, pace=0.08, left=True):
 
 
 def walk(command, turned, terrain=LEVEL, duty_factor=0.8, stance=None, steps=600):
-    """Plans until the torso has turned so far (rad), each looked at; ends early with a ``Blocked``."""
+    """Plans until the torso has turned so far (rad), each looked at; ends early with a
+    ``Blocked``.
+    """
     settings = gait(duty_factor)
     stance = stance or standard_stance(
         TITAN, settings, command.crab_angle, 0.0, 0.0, 0.0, terrain.height_at
@@ -148,7 +150,9 @@ def test_along_an_arc_the_centre_of_gravity_is_inside_on_the_interval_and_on_the
 
 
 def test_on_the_spot_the_legs_go_round_one_after_the_other():
-    """Each triangle is entered far: the leg before has just landed, the leg after is about to go."""
+    """Each triangle is entered far: the leg before has just landed, the leg after is about to
+    go.
+    """
     for left, after in ((True, (1, 2, 3, 0)), (False, (3, 0, 1, 2))):
         command = on_circle(0.0, left=left)
         arc, _ = arc_of_command(0.0, 0.0, command.turn_rate, YAW_LENGTH)

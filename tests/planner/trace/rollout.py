@@ -31,7 +31,9 @@ def field_of(
     machine: Machine,
     box: tuple[float, float, float, float] = (-3, 11, -3.5, 3.5),
 ) -> TerrainMap:
-    """Ground of which a fraction of 5 cm cells is allowed; the cells under the start posture are."""
+    """Ground of which a fraction of 5 cm cells is allowed; the cells under the start posture
+    are.
+    """
     cell, rng = 0.05, np.random.default_rng(seed)
     columns, rows = round((box[1] - box[0]) / cell), round((box[3] - box[2]) / cell)
     forbidden = rng.random((rows, columns)) >= fraction
@@ -56,9 +58,17 @@ class Walked:
 
 
 def walk(
-    machine: Machine, terrain: TerrainMap, command: Command, trace: SampledPath | None = None, *, until: float = math.inf, steps: int = 600,
-    rigid: RigidGait | None = None, check: bool = True, stance: Stance | None = None,
-) -> Walked:  # fmt: skip
+    machine: Machine,
+    terrain: TerrainMap,
+    command: Command,
+    trace: SampledPath | None = None,
+    *,
+    until: float = math.inf,
+    steps: int = 600,
+    rigid: RigidGait | None = None,
+    check: bool = True,
+    stance: Stance | None = None,
+) -> Walked:
     gait = gait_of(machine)
     pose = trace.pose(0.0) if trace is not None else (0.0, 0.0, 0.0)
     place = Placement(pose, lambda x, y: 0.0 if terrain.is_level else terrain.height_at(x, y))
@@ -143,7 +153,8 @@ def _instant(
         )
         if not inside or not low - 1e-6 <= z <= high + 1e-6:
             found.append(
-                f"foot {leg} out of reach at ({bx:.4f}, {by:.4f}, {z:.4f}) in stretch {k} {plan.phases[k].name}"
+                f"foot {leg} out of reach at ({bx:.4f}, {by:.4f}, {z:.4f}) in stretch {k}"
+                f" {plan.phases[k].name}"
             )
     return found
 
@@ -166,6 +177,7 @@ def _speeds(plan: StepPlan, k: int, machine: Machine) -> list[str]:
         for axis, limit in enumerate(machine.speed):
             if speeds[axis] > limit + 1e-6:
                 found.append(
-                    f"foot {leg} at {speeds[axis]:.3f} m/s on axis {axis} in stretch {k} {plan.phases[k].name}"
+                    f"foot {leg} at {speeds[axis]:.3f} m/s on axis {axis} in stretch {k}"
+                    f" {plan.phases[k].name}"
                 )
     return found

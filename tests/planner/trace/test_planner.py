@@ -156,11 +156,23 @@ def test_an_eight_legged_machine_walks_too() -> None:
     ]
     machine = machine_from(
         {
-            "name": "octopod", "title": "eight legs", "source": "a test", "mass": 60.0, "torso": [1.6, 0.5, 0.2], "height": 0.5,
-            "foot_radius": 0.03, "friction": 0.8, "yaw_length": 0.7, "duty_factor": 0.75, "lift_up": 0.1, "lift_down": 0.2,
-            "speed": [1.0, 1.0, 0.8], "overreach": [0.05, 0.05, 0.15], "legs": legs,
+            "name": "octopod",
+            "title": "eight legs",
+            "source": "a test",
+            "mass": 60.0,
+            "torso": [1.6, 0.5, 0.2],
+            "height": 0.5,
+            "foot_radius": 0.03,
+            "friction": 0.8,
+            "yaw_length": 0.7,
+            "duty_factor": 0.75,
+            "lift_up": 0.1,
+            "lift_down": 0.2,
+            "speed": [1.0, 1.0, 0.8],
+            "overreach": [0.05, 0.05, 0.15],
+            "legs": legs,
         }
-    )  # fmt: skip
+    )
     walked = walk(
         machine,
         field_of(0.3, 0, machine, (-3, 7, -3, 3)),
@@ -303,7 +315,9 @@ def test_over_rough_ground_the_body_follows_and_feet_clear_the_crests() -> None:
 
 
 def ground_with(things: list[tuple[float, float, float, float]], height: float) -> TerrainMap:
-    """Open level ground with boxes x1, x2, y1, y2 of this height on it, which nothing may step on."""
+    """Open level ground with boxes x1, x2, y1, y2 of this height on it, which nothing may step
+    on.
+    """
     rows = columns = 320
     heights, forbidden = np.zeros((rows, columns)), np.zeros((rows, columns), dtype=bool)
     for x1, x2, y1, y2 in things:

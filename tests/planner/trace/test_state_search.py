@@ -1,4 +1,6 @@
-"""The states a trace walk goes through: K's order, the search behind it, and what no search can do."""
+"""The states a trace walk goes through: K's order, the search behind it, and what no search can
+do.
+"""
 
 import numpy as np
 import pytest
