@@ -16,11 +16,12 @@ LINK = mkdir -p $(SOURCE) && for part in planner sim server web; do ln -sfn ../.
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help run test test-lowest bench clean
+.PHONY: help run test test-pythons test-lowest bench clean
 
 help:
 	@echo 'make run     start the console and open its page   (ARGS="--port 9000 --scenario river")'
 	@echo 'make test    check style and types, then run all tests   (PYTEST_ARGS="-k layers")'
+	@echo 'make test-pythons  walk the recorded walks and run all tests on other Pythons   (PYTHONS="python3.12 python3.13")'
 	@echo 'make test-lowest  try the oldest versions of everything that pyproject.toml allows'
 	@echo 'make bench   measure planner, tick and headless speed on this machine'
 	@echo 'make clean   remove the environment and what builds and checks left behind'
@@ -37,6 +38,18 @@ test: $(VENV)/.installed-for-tests
 	$(PY) -m mypy
 	$(PY) -m pytest $(PYTEST_ARGS)
 
+# Every other Python gets an environment of its own, .venv-3.12 and so on; the recorded walks are the first thing it has to repeat.
+PYTHONS ?= python3.12 python3.13
+
+test-pythons:
+	@for python in $(PYTHONS); do \
+		version=$$($$python -c 'import sys; print("%d.%d" % sys.version_info[:2])') || exit 1; \
+		echo "Python $$version:"; \
+		$(MAKE) --no-print-directory VENV=.venv-$$version PYTHON=$$python .venv-$$version/.installed-for-tests || exit 1; \
+		.venv-$$version/bin/python -m tests.corpus.walks check || exit 1; \
+		.venv-$$version/bin/python -m pytest -p no:cacheprovider --ignore=tests/walks/test_corpus.py $(PYTEST_ARGS) || exit 1; \
+	done
+
 # The oldest versions are older than our warnings are strict: they are shown, not taken for errors.
 LOWEST := .venv-lowest
 LOWEST_TESTS := tests/sim tests/server tests/web tests/test_examples.py
@@ -48,7 +61,7 @@ test-lowest:
 	$(LOWEST)/bin/python -m pytest -W default -p no:cacheprovider -m 'not slow and not browser' $(PYTEST_ARGS) $(LOWEST_TESTS)
 
 clean:
-	rm -rf $(VENV) $(LOWEST) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) .venv-3.* $(LOWEST) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find planner sim server web walking_console tests -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # The two stamps are older than pyproject.toml or constraints.txt exactly when the environment has to be brought up to date.
