@@ -13,7 +13,8 @@ import typer
 from typer.core import TyperGroup
 
 from walking_console.planner.robot.model import MachineError, load_machine, machine_names
-from walking_console.sim.scenario import ScenarioError, list_scenarios, load_scenario
+from walking_console.sim.scenario import ScenarioError
+from walking_console.sim.scenario_files import list_scenarios, load_scenario
 from walking_console.sim.terrain.generators import list_terrains
 from walking_console.sim.terrain.ground import GroundError
 
@@ -97,7 +98,7 @@ DirectoryArgument = Annotated[Path, typer.Argument(help="A run directory.")]
 @contextmanager
 def one_clear_line() -> Iterator[None]:
     """Bad input ends in one line on standard error and exit status 2, never in a traceback."""
-    from walking_console.sim.runs.runner import RunError
+    from walking_console.sim.runs.run_files import RunError
     from walking_console.web.figures.run_data import FigureError
 
     from .listening import ServeError
@@ -210,7 +211,7 @@ def run(
 @app.command()
 def replay(directory: DirectoryArgument) -> None:
     """Run a recorded run again from its inputs and compare every tick's state hash."""
-    from walking_console.sim.runs.runner import replay as replay_run
+    from walking_console.sim.runs.replay import replay as replay_run
 
     with one_clear_line():
         answer = replay_run(directory)
@@ -281,7 +282,9 @@ def bench(
     ] = None,
 ) -> None:
     """Measure planner, tick and headless speed on this machine."""
-    from walking_console.sim.runs.benchmark import measure, print_figures
+    from walking_console.sim.runs.benchmark import measure
+
+    from .benchmark_table import print_figures
 
     with one_clear_line():
         figures = measure()

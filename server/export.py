@@ -14,14 +14,8 @@ from typing import Any
 import numpy as np
 
 from walking_console.planner.types import TICK
-from walking_console.sim.runs.runner import (
-    RunError,
-    read_arrays,
-    read_log,
-    read_run,
-    read_steps,
-    rerun,
-)
+from walking_console.sim.runs.replay import rerun
+from walking_console.sim.runs.run_files import RunError, read_arrays, read_log, read_run, read_steps
 
 FRAME_TICKS = 3  # one drawn frame of a replay page every 60 ms
 FRAMES_MAX = 6000  # six minutes; longer runs are drawn at fewer frames a second

@@ -11,7 +11,7 @@ import threading
 import webbrowser
 from collections.abc import Callable
 
-from walking_console.sim.scenario import load_scenario
+from walking_console.sim.scenario_files import load_scenario
 from walking_console.sim.simulation import Simulation
 from walking_console.sim.snapshot import Snapshot
 from walking_console.sim.world import prepare

@@ -7,7 +7,7 @@ import shutil
 from itertools import count
 from pathlib import Path
 
-from walking_console.sim.runs.runner import RunError
+from walking_console.sim.runs.run_files import RunError
 
 from .run_jobs import numbered
 

@@ -136,7 +136,7 @@ class Perception:
         return classify_again(heights, self.true_forbidden, self.ground.cell, machine, edit.cells)
 
     def _hear_of(self, edit: Edit, mapper: ElevationMapper) -> None:
-        """The world has changed behind its back; only what is forbidden or cleared is told to it."""
+        """The world has changed behind its back; only what is forbidden or cleared is told."""
         if self.range_sensor is not None:
             self.range_sensor.replace_ground(self.ground)
         if edit.action == "forbid":

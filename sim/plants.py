@@ -1,7 +1,7 @@
 """Plants by name: the only place that names them.
 
-Another plant is one folder and one entry here: anything that is called like ``PlantMaker`` and gives
-a ``Plant``. A scenario then asks for it with ``plant = "name"``, and the conformance test in
+Another plant is one folder and one entry here: anything that is called like ``PlantMaker`` and
+gives a ``Plant``. A scenario then asks for it with ``plant = "name"``, and the conformance test in
 ``tests/sim/test_plant_protocol.py`` takes it up by itself.
 """
 

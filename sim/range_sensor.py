@@ -19,30 +19,30 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
+from walking_console.planner.geometry.transforms import directions, placed, turned, turned_back
 from walking_console.planner.robot.model import Machine
+from walking_console.planner.terrain.mapping import Index
+from walking_console.planner.types import Array, Point
 
+from .tables import Table
 from .terrain.ground import Ground
 
 GLIMPSE = 0.02  # m; a ray that gets this far below the rim of a hole has looked into it
 SURFACE = 1e-6  # m; rounding of ray against ground
 PROFILE_CELLS_MAX = 400  # samples along one ray: bounds a look on very fine maps
 
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
-Degrees = Annotated[float, Field(ge=0.25, le=10.0)]
-Coordinate = Annotated[float, Field(ge=-5.0, le=5.0)]
+RayAngle = Annotated[float, Field(ge=0.25, le=10.0)]
+MountCoordinate = Annotated[float, Field(ge=-5.0, le=5.0)]
 
 
-class EyeSettings(BaseModel):
+class EyeSettings(Table):
     """The ``[eye]`` table of a scenario. Lengths in metres, angles in degrees, the body frame for
     the position.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
-
-    position: Annotated[list[Coordinate], Field(min_length=3, max_length=3)] = Field(
+    position: Annotated[list[MountCoordinate], Field(min_length=3, max_length=3)] = Field(
         default=[0.2, 0.0, 0.5], description="m from the centre of gravity: a mast on the torso"
     )
     pitch_deg: float = Field(
@@ -58,7 +58,7 @@ class EyeSettings(BaseModel):
     height_deg: float = Field(
         default=56.0, gt=0.0, le=180.0, description="field of view, up and down"
     )
-    resolution_deg: Annotated[list[Degrees], Field(min_length=2, max_length=2)] = Field(
+    resolution_deg: Annotated[list[RayAngle], Field(min_length=2, max_length=2)] = Field(
         default=[1.0, 0.5], description="between two rays, side to side and up and down"
     )
     noise: float = Field(
@@ -121,21 +121,13 @@ class RangeSensor:
         count = max(1, math.floor(settings.width_deg / apart))
         return np.asarray((np.arange(count) - (count - 1) / 2) * math.radians(apart))
 
-    def place(self, body: Sequence[float]) -> tuple[float, float, float]:
+    def place(self, body: Sequence[float]) -> Point:
         """Where the eye is when the body is at x, y, z, roll, pitch, yaw."""
         x, y, z, roll, pitch, yaw = body
         px, py, pz = self.settings.position
-        cr, sr, cp, sp, cy, sy = (
-            math.cos(roll),
-            math.sin(roll),
-            math.cos(pitch),
-            math.sin(pitch),
-            math.cos(yaw),
-            math.sin(yaw),
-        )
-        py, pz = cr * py - sr * pz, sr * py + cr * pz
-        px, pz = cp * px + sp * pz, cp * pz - sp * px
-        return x + cy * px - sy * py, y + sy * px + cy * py, z + pz
+        py, pz = turned(py, pz, roll)
+        px, pz = turned_back(px, pz, pitch)
+        return *placed((x, y, yaw), px, py), z + pz
 
     def scan(self, body: Sequence[float], direction: float = 0.0) -> Scan:
         """One scan from the body's pose (x, y, z, roll, pitch, yaw); ``direction`` is the course in
@@ -160,60 +152,19 @@ class RangeSensor:
     def _lowest(self, body: Sequence[float], bearings: Array) -> Array:
         """Elevation of the lowest ray of every bearing, rad, on the tilted body (small tilts)."""
         settings, (_, _, _, roll, pitch, _) = self.settings, body
-        middle = (
-            -math.radians(settings.pitch_deg) - pitch * np.cos(bearings) + roll * np.sin(bearings)
-        )
+        ahead, left = directions(bearings)
+        middle = -math.radians(settings.pitch_deg) - pitch * ahead + roll * left
         return np.asarray(middle - math.radians(settings.height_deg) / 2)
 
     def _returns(
-        self,
-        place: tuple[float, float, float],
-        bearings: Array,
-        lowest: Array,
-        resolution: float,
-        rays: int,
+        self, place: Point, bearings: Array, lowest: Array, resolution: float, rays: int
     ) -> tuple[Index, Array, NDArray[np.bool_]]:
         """(flat cell index, height, only a side) of every cell seen, no cell twice, in a fixed
         order.
         """
-        ground, d = self.ground, self.distances
-        ex, ey, ez = place
-        columns = np.floor(
-            (ex - ground.origin[0] + np.cos(bearings)[:, None] * d) / ground.cell
-        ).astype(np.intp)
-        rows = np.floor(
-            (ey - ground.origin[1] + np.sin(bearings)[:, None] * d) / ground.cell
-        ).astype(np.intp)
-        inside = (columns >= 0) & (columns < ground.columns) & (rows >= 0) & (rows < ground.rows)
-        flat = np.where(inside, rows * ground.columns + columns, 0)
-        heights = self._heights[flat]
-        bottomless = np.isnan(heights) & inside
-        heights = np.where(bottomless | ~inside, -np.inf, heights)
-
-        skyline = np.maximum.accumulate(np.arctan2(heights - ez, d), axis=1)
-        # rays that end no farther than here
-        stopped = np.clip(np.floor((skyline - lowest[:, None]) / resolution) + 1.0, 0.0, rays)
-        before = np.zeros_like(stopped)
-        before[:, 1:] = stopped[:, :-1]
-        hit = (stopped > before) & (np.hypot(d, heights - ez) <= self.settings.range)
-
-        step = float(d[0])
-        # of the highest ray that ends here
-        slope = np.tan(lowest[:, None] + (stopped - 1.0) * resolution)
-        came_in = ez + (d - step) * slope  # its height one sample before
-        topped = hit & (came_in >= heights - SURFACE)
-        sided = hit & ~topped
-
-        # of the lowest ray that goes on from here
-        flying = np.tan(lowest[:, None] + stopped * resolution)
-        dropped = ez + d * flying
-        into = (
-            bottomless
-            & (stopped < rays)
-            & (dropped < _rim(heights) - GLIMPSE)
-            & (np.hypot(d, dropped - ez) <= self.settings.range)
-        )
-
+        flat, heights, bottomless = self._profiles(place, bearings)
+        fan = _Fan(self.distances, place[2], lowest[:, None], resolution, rays)
+        topped, came_in, sided, into = fan.hits(heights, bottomless, self.settings.range)
         tops = np.unique(flat[topped])
         holes = np.unique(flat[into])
         side_cells, where = np.unique(flat[sided], return_inverse=True)
@@ -226,6 +177,65 @@ class RangeSensor:
         is_side = np.zeros(cells.size, dtype=bool)
         is_side[tops.size + holes.size :] = True
         return cells, found, is_side
+
+    def _profiles(self, place: Point, bearings: Array) -> tuple[Index, Array, NDArray[np.bool_]]:
+        """The ground under every ray: flat cell index, height (−inf where there is none) and
+        whether it is a hole, each (bearings, distances).
+        """
+        ground, d = self.ground, self.distances
+        x, y, _ = place
+        along_x, along_y = directions(bearings)
+        columns = _cells(x - ground.origin[0] + along_x[:, None] * d, ground.cell)
+        rows = _cells(y - ground.origin[1] + along_y[:, None] * d, ground.cell)
+        inside = (columns >= 0) & (columns < ground.columns) & (rows >= 0) & (rows < ground.rows)
+        flat = np.where(inside, rows * ground.columns + columns, 0)
+        heights = self._heights[flat]
+        bottomless = np.isnan(heights) & inside
+        return flat, np.where(bottomless | ~inside, -np.inf, heights), bottomless
+
+
+class _Fan(NamedTuple):
+    """The rays of one scan over their profiles: ``lowest`` (bearings, 1) rad, ``rays`` of them one
+    above the other, ``resolution`` rad apart.
+    """
+
+    distances: Array  # m
+    height: float  # m, of the sensor
+    lowest: Array
+    resolution: float
+    rays: int
+
+    def hits(
+        self, heights: Array, bottomless: NDArray[np.bool_], reach: float
+    ) -> tuple[NDArray[np.bool_], Array, NDArray[np.bool_], NDArray[np.bool_]]:
+        """Which samples of the profiles are met from above, at what height the highest ray came in
+        there, which are met from the side, and which holes are looked into.
+        """
+        d, z = self.distances, self.height
+        skyline = np.maximum.accumulate(np.arctan2(heights - z, d), axis=1)
+        # rays that end no farther than here
+        ended = np.floor((skyline - self.lowest) / self.resolution) + 1.0
+        stopped = np.clip(ended, 0.0, self.rays)
+        before = np.zeros_like(stopped)
+        before[:, 1:] = stopped[:, :-1]
+        hit = (stopped > before) & (np.hypot(d, heights - z) <= reach)
+        # the highest ray that ends here, one sample before
+        came_in = z + (d - float(d[0])) * self._slope(stopped - 1.0)
+        topped = hit & (came_in >= heights - SURFACE)
+        # the lowest ray that goes on from here
+        flying = z + d * self._slope(stopped)
+        deep = bottomless & (stopped < self.rays) & (flying < _rim(heights) - GLIMPSE)
+        into = deep & (np.hypot(d, flying - z) <= reach)
+        return topped, came_in, hit & ~topped, into
+
+    def _slope(self, ray: Array) -> Array:
+        """How a ray rises: metres up for each metre on."""
+        return np.asarray(np.tan(self.lowest + ray * self.resolution))
+
+
+def _cells(offsets: Array, cell: float) -> Index:
+    """Columns or rows at distances from the corner of the map."""
+    return np.floor(offsets / cell).astype(np.intp)
 
 
 def _rim(heights: Array) -> Array:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from walking_console.planner.types import POSTURES, Command
+from walking_console.planner.types import POSTURES, Array, Command
 
 from .terrain.ground import HEIGHT_MAX
 from .world import World
@@ -23,7 +23,6 @@ EDITS = ("dig", "raise", "forbid", "clear")
 EDIT_CELLS_MAX = 40_000  # cells one terrain edit may change
 ATTITUDES = ("level", "ground")
 
-Heights = NDArray[np.float64]
 Record = dict[str, Any]
 
 
@@ -88,8 +87,8 @@ class Follow:
 Request = Reset | Load | Edit | Push | TakePosture | Halt | Follow
 
 
-def edited(heights: Heights, edit: Edit) -> Heights:
-    """Heights (ny, nx) after an edit; raises ``ValueError`` before anything has changed."""
+def edited(heights: Array, edit: Edit) -> Array:
+    """Array (ny, nx) after an edit; raises ``ValueError`` before anything has changed."""
     if edit.action not in EDITS:
         raise ValueError(f"unknown terrain edit {edit.action!r}; there are: {', '.join(EDITS)}")
     if len(edit.cells) > EDIT_CELLS_MAX:

@@ -44,12 +44,12 @@ HOLD = Command()
 class Simulation:
     """One machine walking in one world; a step is 20 ms of simulated time.
 
-    ``scenario_or_world`` is a ``Scenario``, or the ``World`` that ``prepare`` made of one (making it
-    is slow; a world can be used again). ``explain`` fills the decision log of every step. Raises
+    ``scenario_or_world`` is a ``Scenario``, or the ``World`` that ``prepare`` made of one (making
+    it is slow; a world can be used again). ``explain`` fills the decision log of every step. Raises
     what ``prepare`` raises.
 
-    Read freely, change only through the methods: ``plant`` (the machine), ``planner``, ``walk`` (its
-    gait supervisor), ``perception`` (the ground, and what is believed of it), ``command``,
+    Read freely, change only through the methods: ``plant`` (the machine), ``planner``, ``walk``
+    (its gait supervisor), ``perception`` (the ground, and what is believed of it), ``command``,
     ``tick_count``, ``distance`` (m walked along the commanded course) and ``refused`` (why the last
     refused request was). ``on_input`` is called with the tick and every command or request served.
 
@@ -266,8 +266,8 @@ class Simulation:
         return self.planner.preview(self.walk.stance, running)
 
     def snapshot(self, *, paused: bool = False, rate: float = 1.0, late: float = 0.0) -> Snapshot:
-        """The world at this instant, frozen; ``paused``, ``rate`` (times real time) and ``late`` (s)
-        are for a clock to say.
+        """The world at this instant, frozen; ``paused``, ``rate`` (times real time) and ``late``
+        (s) are for a clock to say.
         """
         return take_snapshot(self, paused=paused, rate=rate, late=late)
 

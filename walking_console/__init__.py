@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from walking_console.planner.types import Blocked, Command, Stance, StepPlan
     from walking_console.sim.runs.reader import open_run
     from walking_console.sim.runs.runner import run_scenario
-    from walking_console.sim.scenario import load_scenario
+    from walking_console.sim.scenario_files import load_scenario
     from walking_console.sim.simulation import Simulation
     from walking_console.sim.snapshot import Snapshot
 
@@ -57,7 +57,7 @@ _HOMES: dict[str, Callable[[], ModuleType]] = {
     "StepPlanner": lambda: import_module("walking_console.planner.calls"),
     "TerrainMap": lambda: import_module("walking_console.planner.terrain.map"),
     "load_machine": lambda: import_module("walking_console.planner.robot.model"),
-    "load_scenario": lambda: import_module("walking_console.sim.scenario"),
+    "load_scenario": lambda: import_module("walking_console.sim.scenario_files"),
     "open_run": lambda: import_module("walking_console.sim.runs.reader"),
     "register_planner": lambda: import_module("walking_console.planner.registry"),
     "run_scenario": lambda: import_module("walking_console.sim.runs.runner"),

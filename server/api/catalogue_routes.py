@@ -9,7 +9,8 @@ from fastapi import APIRouter
 
 from walking_console.planner.robot.model import load_machine, machine_names
 from walking_console.sim.runs.runner import product_version
-from walking_console.sim.scenario import list_scenarios, list_terrains
+from walking_console.sim.scenario_files import list_scenarios
+from walking_console.sim.terrain.generators import list_terrains
 
 from ..frames import last_line, number
 from .state import ConsoleState

@@ -5,13 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from walking_console.planner.robot.model import MachineError, load_machine
-from walking_console.sim.scenario import (
-    Scenario,
-    ScenarioError,
-    load_scenario,
-    scenario_from,
-    scenario_names,
-)
+from walking_console.sim.scenario import Scenario, ScenarioError
+from walking_console.sim.scenario_files import load_scenario, scenario_from, scenario_names
 from walking_console.sim.terrain.ground import GroundError
 from walking_console.sim.world import World, prepare
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from walking_console.sim.requests import EDIT_CELLS_MAX, Edit
 from walking_console.sim.snapshot import TerrainView
-from walking_console.sim.terrain.areas import Cells, cells_in_circle, cells_in_rectangle
+from walking_console.sim.terrain.areas import CellList, cells_in_circle, cells_in_rectangle
 
 from ..schemas import CircleArea, RectangleArea, TerrainBody
 from .errors import HTTPProblem
@@ -30,7 +30,7 @@ def edit_under(body: TerrainBody, terrain: TerrainView) -> Edit:
     return Edit(body.action, _cells_of(body, terrain), body.amount_m or 0.0)
 
 
-def _cells_of(body: TerrainBody, terrain: TerrainView) -> Cells:
+def _cells_of(body: TerrainBody, terrain: TerrainView) -> CellList:
     if body.circle is not None:
         return _covered("circle", _in_circle(body.circle, terrain))
     if body.rectangle is not None:
@@ -39,16 +39,16 @@ def _cells_of(body: TerrainBody, terrain: TerrainView) -> Cells:
     return _on_the_map(body.cells, terrain)
 
 
-def _in_circle(area: CircleArea, terrain: TerrainView) -> Cells:
+def _in_circle(area: CircleArea, terrain: TerrainView) -> CellList:
     return cells_in_circle(terrain, area.x_m, area.y_m, area.radius_m)
 
 
-def _in_rectangle(area: RectangleArea, terrain: TerrainView) -> Cells:
+def _in_rectangle(area: RectangleArea, terrain: TerrainView) -> CellList:
     high = (area.x_m + area.width_m, area.y_m + area.depth_m)
     return cells_in_rectangle(terrain, (area.x_m, area.y_m), high)
 
 
-def _covered(name: str, cells: Cells) -> Cells:
+def _covered(name: str, cells: CellList) -> CellList:
     """Some of the map and not too much of it."""
     if 1 <= len(cells) <= EDIT_CELLS_MAX:
         return cells
@@ -57,7 +57,7 @@ def _covered(name: str, cells: Cells) -> Cells:
     raise HTTPProblem(422, detail, field=name, value=len(cells), limit=limit)
 
 
-def _on_the_map(cells: list[list[int]], terrain: TerrainView) -> Cells:
+def _on_the_map(cells: list[list[int]], terrain: TerrainView) -> CellList:
     ny, nx = terrain.heights.shape
     for row, column in cells:
         if row >= ny or column >= nx:

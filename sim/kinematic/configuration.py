@@ -23,9 +23,9 @@ XY = tuple[float, float]
 class Configuration:
     """The machine's state variables, and the small changes that all of the plant is made of.
 
-    ``body`` is x, y, z, roll, pitch, yaw; ``feet`` are foot tips, absolute, and ``tips`` the same in
-    body axes; ``rotation`` goes from body axes to absolute ones. ``carrying`` and ``free`` are legs,
-    each sorted. The lists of body, feet, soles and whiskers are never replaced by others.
+    ``body`` is x, y, z, roll, pitch, yaw; ``feet`` are foot tips, absolute, and ``tips`` the same
+    in body axes; ``rotation`` goes from body axes to absolute ones. ``carrying`` and ``free`` are
+    legs, each sorted. The lists of body, feet, soles and whiskers are never replaced by others.
     """
 
     def __init__(self, machine: Machine, ground: Ground, stance: Stance) -> None:

@@ -33,7 +33,7 @@ ITERATIONS = 200  # of pymunk's solver; fewer, see a machine pushed off its cent
 ANY = pymunk.ShapeFilter()
 
 
-class Touch(NamedTuple):
+class SweepHit(NamedTuple):
     """Where a way through the ground plane first meets something: share of the way, and the
     surface's outward normal.
     """
@@ -82,7 +82,7 @@ class ContactWorld:
             and (math.floor(x / PATCH), math.floor(y / PATCH)) in self._body_patches
         )
 
-    def sweep(self, ax: float, ay: float, bx: float, by: float, z: float) -> Touch | None:
+    def sweep(self, ax: float, ay: float, bx: float, by: float, z: float) -> SweepHit | None:
         """The first thing standing higher than z on the straight way from a to b, None when it is
         free.
         """
@@ -94,7 +94,7 @@ class ContactWorld:
         if not hits:
             return None
         first = min(hits, key=lambda hit: hit.alpha)
-        return Touch(first.alpha, (first.normal.x, first.normal.y))
+        return SweepHit(first.alpha, (first.normal.x, first.normal.y))
 
     def feel(self, x: float, y: float, z: float, yaw: float) -> int:
         """Contact mode of a foot's whiskers: one bit per direction of eight, bit 0 along body +x,

@@ -68,12 +68,17 @@ def about(axis: Sequence[float], angle: float) -> Rotation:
 
 def after(a: Rotation, b: Rotation) -> Rotation:
     """First b, then a."""
-    p0, p1, p2, q0, q1, q2, r0, r1, r2 = b
+    along_x = _row_times(a[0], a[1], a[2], b)
+    along_y = _row_times(a[3], a[4], a[5], b)
+    return (*along_x, *along_y, *_row_times(a[6], a[7], a[8], b))
+
+
+def _row_times(x: float, y: float, z: float, r: Rotation) -> tuple[float, float, float]:
     return (
-        a[0] * p0 + a[1] * q0 + a[2] * r0, a[0] * p1 + a[1] * q1 + a[2] * r1, a[0] * p2 + a[1] * q2 + a[2] * r2,
-        a[3] * p0 + a[4] * q0 + a[5] * r0, a[3] * p1 + a[4] * q1 + a[5] * r1, a[3] * p2 + a[4] * q2 + a[5] * r2,
-        a[6] * p0 + a[7] * q0 + a[8] * r0, a[6] * p1 + a[7] * q1 + a[8] * r1, a[6] * p2 + a[7] * q2 + a[8] * r2,
-    )  # fmt: skip
+        x * r[0] + y * r[3] + z * r[6],
+        x * r[1] + y * r[4] + z * r[7],
+        x * r[2] + y * r[5] + z * r[8],
+    )
 
 
 def plane_fit(

@@ -10,7 +10,7 @@ from walking_console.planner.types import TICK, Point
 from .configuration import FootMotion
 
 # x_min, x_max, y_min, y_max, z_min, z_max of a foot tip in body axes, m
-Reach = tuple[float, float, float, float, float, float]
+MechanicalReach = tuple[float, float, float, float, float, float]
 
 
 class Servos:
@@ -48,7 +48,7 @@ class Servos:
         return motions
 
 
-def mechanical_reach(machine: Machine, leg: int) -> Reach:
+def mechanical_reach(machine: Machine, leg: int) -> MechanicalReach:
     """The reach of a leg's mechanism: its control box widened by δ."""
     (dx, dy, dz), box = machine.overreach, machine.legs[leg]
     return box.x[0] - dx, box.x[1] + dx, box.y[0] - dy, box.y[1] + dy, box.z[0] - dz, box.z[1] + dz

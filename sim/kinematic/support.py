@@ -37,7 +37,7 @@ STEEP = 0.9  # of the friction: ground that pulls less holds without a look at t
 # less
 RESTS_MAX = 8
 
-Edge = tuple[float, float, float]  # nx, ny, offset: inside where n·(x, y) >= offset
+PolygonSide = tuple[float, float, float]  # nx, ny, offset: inside where n·(x, y) >= offset
 
 
 class Support:
@@ -48,7 +48,7 @@ class Support:
 
     def __init__(self, q: Configuration) -> None:
         self.q = q
-        self.edges: list[Edge] = []  # of the support polygon
+        self.edges: list[PolygonSide] = []  # of the support polygon
         self.quiet = False
         self._slope = (0.0, 0.0)  # mean, under the carrying feet
         self._pull = [[0.0, 0.0] for _ in q.feet]  # m each carrying leg is pulled aside
@@ -149,7 +149,7 @@ class Support:
                 self.let_go(leg)
 
     def _laid(self, feet: list[Point], lengths: list[float], now: Rest) -> Rest | None:
-        """How the body lies on feet given from its centre of gravity; None when they cannot carry."""
+        """How the body lies on feet seen from its centre of gravity; None: they cannot carry it."""
         q = self.q
         polygon = support_polygon(q.feet[leg] for leg in q.carrying)
         if len(polygon) < 3:

@@ -15,25 +15,18 @@ from statistics import median
 from time import process_time
 from typing import Any
 
-from rich.console import Console as Terminal
-from rich.table import Table
-
 from walking_console.planner.config import Gains
-from walking_console.planner.control.foot_controller import (
-    ReflexState,
-    reflex,
-)
+from walking_console.planner.control.foot_controller import ReflexState, reflex
 from walking_console.planner.control.tracking import TrajectoryTracker
-from walking_console.planner.crab.gait import standard_stance
-from walking_console.planner.crab.planner import plan_step
-from walking_console.planner.robot.model import load_machine
+from walking_console.planner.protocols import Planner, PlannerSetup, run_to_completion
+from walking_console.planner.registry import make_planner
 from walking_console.planner.terrain.map import TerrainMap
-from walking_console.planner.types import TICK, Blocked, Command, Gait, Sensing, Stance, StepPlan
+from walking_console.planner.types import TICK, Blocked, Command, Sensing, Stance, StepPlan
 from walking_console.sim.runs.recorder import Recorder
 from walking_console.sim.runs.runner import product_version, run_scenario
-from walking_console.sim.scenario import load_scenario
+from walking_console.sim.scenario_files import load_scenario
 from walking_console.sim.simulation import Simulation
-from walking_console.sim.world import prepare
+from walking_console.sim.world import World, prepare
 
 TICKS = 2500  # a round: four metres, the whole course of scenario flat
 ROUNDS = 7  # medians are taken over this many rounds
@@ -77,54 +70,57 @@ def _median_of(work: Callable[[], int]) -> float:
 
 
 def plan_time() -> float:
-    """Seconds per ``plan_step`` on ground with half of its 5 cm cells forbidden: median over
+    """Seconds per step planned on ground with half of its 5 cm cells forbidden: median over
     postures met walking there.
     """
-    machine, gait, ground, stances = broken_ground()
+    planner, ground, stances = broken_ground()
     spent = []
     for _ in range(ROUNDS):
         for stance in stances:
             began = process_time()
-            plan_step(stance, COMMAND, ground, machine, gait)
+            run_to_completion(planner.plan(stance, COMMAND, ground))
             spent.append(process_time() - began)
     return median(spent)
 
 
-def broken_ground() -> tuple[Any, Gait, TerrainMap, list[Stance]]:
-    """The 50 % ground of scenario ``holes`` and the postures its first steps meet."""
-    scenario = load_scenario("holes", ("terrain.fraction=0.5", "terrain.cell=0.05"))
-    world = prepare(scenario)
-    machine, gait, ground = load_machine("titan3"), world.gait, world.belief
+def broken_ground() -> tuple[Planner, TerrainMap, list[Stance]]:
+    """The planner of scenario ``holes``, its ground at 50 %, the postures its first steps meet."""
+    world = prepare(load_scenario("holes", ("terrain.fraction=0.5", "terrain.cell=0.05")))
+    planner, ground = planner_in(world), world.belief
     stances, stance = [], world.stance
     for _ in range(60):
-        plan = plan_step(stance, COMMAND, ground, machine, gait)
+        plan = run_to_completion(planner.plan(stance, COMMAND, ground))
         if isinstance(plan, Blocked):
             break
         stances.append(stance)
         stance = plan.end
-    return machine, gait, ground, stances or [world.stance]
+    return planner, ground, stances or [world.stance]
+
+
+def planner_in(world: World) -> Planner:
+    """The planner of a world as the paper has it: step by step, without detours."""
+    setup = PlannerSetup(world.machine, world.gait, "paper")
+    return make_planner(world.scenario.planner, setup)
 
 
 def reflex_time() -> float:
     """Seconds per Level C tick of four legs in mid-step."""
-    machine = load_machine("titan3")
-    gait = Gait(machine.duty_factor, machine.lift_up, machine.lift_down, machine.height)
     world = prepare(load_scenario("flat"))
-    stance = standard_stance(machine, gait, 0.0, 0.0, 0.0, 0.0, lambda x, y: 0.0)
-    plan = plan_step(stance, COMMAND, world.belief, machine, gait)
+    stance = world.stance
+    plan = run_to_completion(planner_in(world).plan(stance, COMMAND, world.belief))
     if not isinstance(plan, StepPlan):
         raise RuntimeError(f"no first step on flat ground: {plan.reason}")
     x, y, z, yaw = plan.end.body
     feet = tuple((fx - x, fy - y, fz - z) for fx, fy, fz in stance.feet)
     sensing = Sensing(0, (x, y, z, 0.0, 0.0, yaw), feet, (True,) * 4, (0,) * 4, (False,) * 4)
-    playback, gains = TrajectoryTracker(plan), Gains()
+    tracker, gains = TrajectoryTracker(plan), Gains()
     state = ReflexState.begin(4)
-    ticks = int(playback.duration / TICK)
+    ticks = int(tracker.duration / TICK)
 
     def work() -> int:
         for _ in range(5):
             for k in range(ticks):
-                reflex(playback, k * TICK, sensing, state, gains, TICK)
+                reflex(tracker, k * TICK, sensing, state, gains, TICK)
         return 5 * ticks
 
     return _median_of(work)
@@ -135,12 +131,12 @@ def tick_time(*, recorded: bool) -> float:
     world = prepare(load_scenario("flat"))
     spent = []
     for _ in range(ROUNDS):
-        console = Simulation(world)
-        recorder = Recorder(console) if recorded else None
-        console.order(COMMAND)
+        simulation = Simulation(world)
+        recorder = Recorder(simulation) if recorded else None
+        simulation.order(COMMAND)
         began = process_time()
         for _ in range(TICKS):
-            console.step()
+            simulation.step()
             if recorder is not None:
                 recorder.note()
         spent.append((process_time() - began) / TICKS)
@@ -156,14 +152,3 @@ def run_speed() -> float:
             return int(run_scenario(scenario, Path(folder))["ticks"])
 
     return TICK / _median_of(work)
-
-
-def print_figures(figures: dict[str, Any], terminal: Terminal) -> None:
-    """The table of ``walking-console bench``."""
-    title = f"walking-console {figures['version']}, Python {figures['python']}, medians of processor time"
-    table = Table(title=title, title_justify="left")
-    for column in ("figure", "value", "unit", "target"):
-        table.add_column(column, justify="right" if column == "value" else "left")
-    for name, entry in figures["figures"].items():
-        table.add_row(name, f"{entry['value']:g}", entry["unit"], entry["target"])
-    terminal.print(table)

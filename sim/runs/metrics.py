@@ -4,13 +4,13 @@ the line, smoothness of the body.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from walking_console.planner.geometry.transforms import left_fold_sum, turned_back
 from walking_console.sim.runs.recorder import Recorder
 from walking_console.sim.simulation import Simulation
 
@@ -18,10 +18,10 @@ SPACING = 0.1  # m of course between the heights of which second differences are
 FLAT = 1e-6  # m; an average-height path smoother than this has nothing to be compared with
 
 
-def measured(console: Simulation, recorder: Recorder) -> dict[str, Any]:
-    """Figures of ``run.json`` that an expectation may name; None where there is nothing to measure."""
+def measured(simulation: Simulation, recorder: Recorder) -> dict[str, Any]:
+    """Figures of ``run.json`` that an expectation may name; None where nothing can be measured."""
     log = recorder.columns()
-    within = console.planner.capabilities.standard_within
+    within = simulation.planner.capabilities.standard_within
     if within is None or not recorder.ticks:
         return dict.fromkeys(
             (
@@ -37,12 +37,12 @@ def measured(console: Simulation, recorder: Recorder) -> dict[str, Any]:
         "off_line": off_line(recorder, log),
         "standard_steps": standard_steps(recorder.steps, within),
         "courses_unsettled": courses_unsettled(recorder, within),
-        **smoothness(console, recorder, log),
+        **smoothness(simulation, recorder, log),
     }
 
 
 def standard_steps(steps: list[dict[str, Any]], within: float) -> int:
-    """How many steps at the end of the walk, one after the other, came out in the standard layout."""
+    """How many steps at the end of the walk, in a row, came out in the standard layout."""
     count = 0
     for step in reversed(steps):
         if not settled(step, within):
@@ -89,18 +89,18 @@ def off_line(recorder: Recorder, log: dict[str, NDArray[Any]]) -> float | None:
     begin, _, command = walked[-1]
     x, y, yaw = log["body"][max(0, begin - 1), [0, 1, 5]]
     dx, dy = log["body"][-1, :2] - (x, y)
-    heading = yaw + command["crab_angle"]
-    return float(abs(math.cos(heading) * dy - math.sin(heading) * dx))
+    _, left = turned_back(dx, dy, yaw + command["crab_angle"])
+    return float(abs(left))
 
 
 def smoothness(
-    console: Simulation, recorder: Recorder, log: dict[str, NDArray[Any]]
+    simulation: Simulation, recorder: Recorder, log: dict[str, NDArray[Any]]
 ) -> dict[str, float | None]:
     """RMS second difference of the body's height over its course, beside that of the average-height
     rule on the same footholds.
     """
     course, rows, heights = average_rule(
-        log, [step["tick"] for step in recorder.steps], console.world.gait.height
+        log, [step["tick"] for step in recorder.steps], simulation.world.gait.height
     )
     ours, theirs = roughness(course, log["body"][:, 2]), roughness(course[rows], heights)
     return {
@@ -126,8 +126,8 @@ def average_rule(
 
 
 def average_height(feet: Sequence[Sequence[float]], height: float) -> float:
-    """The height rule H fig. 15 draws as a broken line: H above the mean of the feet that stand, m."""
-    return sum(foot[2] for foot in feet) / len(feet) + height
+    """The height rule of H fig. 15, the broken line: H above the mean of the standing feet, m."""
+    return left_fold_sum(foot[2] for foot in feet) / len(feet) + height
 
 
 def roughness(course: NDArray[np.float64], heights: NDArray[np.float64]) -> float:

@@ -12,8 +12,19 @@ from numpy.typing import NDArray
 
 from walking_console.planner.robot.model import Machine, machine_from
 from walking_console.planner.terrain.map import TerrainMap
+from walking_console.planner.types import Command
+from walking_console.sim.requests import Request
+from walking_console.sim.world import World
 
-from .runner import read_arrays, read_log, read_run, read_steps, replay
+from .replay import replay
+from .run_files import (
+    read_arrays,
+    read_inputs,
+    read_log,
+    read_run,
+    read_steps,
+    recorded_world,
+)
 
 TERRAIN_DIMENSIONS = {
     "heights": 2,
@@ -68,6 +79,15 @@ class Run:
     def believed(self) -> TerrainMap:
         """The ground as the machine believed it to be at the end of the run."""
         return self._map("believed_heights", "believed_forbidden")
+
+    @cached_property
+    def inputs(self) -> list[tuple[int, Command | Request]]:
+        """``inputs.jsonl``: everything from outside, with the tick before which it came."""
+        return list(read_inputs(self.directory))
+
+    def world(self) -> World:
+        """The world it was walked in, made anew; no file outside the directory is needed."""
+        return recorded_world(self.directory, self.summary)
 
     def replay(self) -> bool:
         """Walk it again from its inputs; True when the state of every tick is the same, bit for

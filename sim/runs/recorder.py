@@ -15,6 +15,7 @@ import numpy as np
 
 from walking_console.planner.types import TICK, Mode, StepPlan
 from walking_console.sim.requests import input_record
+from walking_console.sim.runs.ground_record import ground_arrays
 from walking_console.sim.simulation import Simulation
 
 SCHEMA = 1
@@ -22,15 +23,17 @@ MODES = {mode.name.lower(): int(mode) for mode in Mode}
 
 
 class Recorder:
-    """Watches a console: call ``note`` after every tick. Keeps rows in flat arrays until ``write``."""
+    """Watches a simulation: call ``note`` after every tick.
 
-    def __init__(self, console: Simulation) -> None:
-        self.console = console
-        legs = len(console.world.machine.legs)
+    Rows wait in flat arrays until ``write``. It takes the simulation's ``on_input`` for itself.
+    """
+
+    def __init__(self, simulation: Simulation) -> None:
+        self.simulation = simulation
+        legs = len(simulation.world.machine.legs)
         self.legs = legs
         self._pack = struct.Struct(f"<8s{6 + 3 * legs + 3}d{2 * legs + 1}B").pack
         self.hash = bytes(8)
-        self.ticks = 0
         self.margin_min = float("inf")
         self.forbidden_steps = 0
         self.falls = 0
@@ -42,16 +45,21 @@ class Recorder:
         self._hashes = array("Q")
         self._was_fallen = False
         self._step_began = 0
-        console.on_input = self._note_input
+        simulation.on_input = self._note_input
+
+    @property
+    def ticks(self) -> int:
+        """How many ticks were noted."""
+        return len(self._hashes)
 
     def note(self) -> None:
         """One row: the state at the end of the tick just run."""
-        console = self.console
-        plant, walk = console.plant, console.walk
+        simulation = self.simulation
+        plant, walk = simulation.plant, simulation.walk
         carrying = walk.carrying()
-        mode = int(console.mode)
-        command = console.command
-        margin, polygon = console.margins(carrying)
+        mode = int(simulation.mode)
+        command = simulation.command
+        margin, polygon = simulation.margins(carrying)
         state = [v + 0.0 for v in plant.body]  # adding 0.0 turns −0.0 into 0.0
         for x, y, z in plant.feet:
             state += (x + 0.0, y + 0.0, z + 0.0)
@@ -59,14 +67,13 @@ class Recorder:
         flags = bytes((*plant.soles, *carrying, mode))
         self.hash = blake2b(self._pack(self.hash, *state, *flags), digest_size=8).digest()
         floats = self._floats
-        floats.append(console.tick_count * TICK)
+        floats.append(simulation.tick_count * TICK)
         floats.extend(state)
         floats.append(margin)
         floats.append(polygon)
         self._flags += flags
         self._steps.append(walk.steps_begun)
         self._hashes.append(int.from_bytes(self.hash, "little"))
-        self.ticks += 1
         if margin < self.margin_min:
             self.margin_min = margin
         if walk.executed is not None:
@@ -76,16 +83,16 @@ class Recorder:
         self._was_fallen = mode == Mode.FALLEN
 
     def _note_step(self, plan: StepPlan) -> None:
-        console = self.console
+        simulation = self.simulation
         landed = [leg for leg in plan.swing if leg not in plan.end.lifted]
         for leg in landed:
             x, y, _ = plan.end.feet[leg]
-            cell = console.perception.belief.cell_at(x, y)
-            if cell is None or console.perception.true_forbidden[cell]:
+            cell = simulation.perception.belief.cell_at(x, y)
+            if cell is None or simulation.perception.true_forbidden[cell]:
                 self.forbidden_steps += 1
         record: dict[str, Any] = {
             "index": len(self.steps),
-            "tick": console.tick_count,  # of N_{k+1}: the tick in which the step was over
+            "tick": simulation.tick_count,  # of N_{k+1}: the tick in which the step was over
             "tick_begun": self._step_began,
             "swing": [leg + 1 for leg in plan.swing],
             "g0": plan.support_shift,
@@ -98,14 +105,14 @@ class Recorder:
             "planned_margin_min": plan.margin_min,
             "speed": plan.speed,
             "speed_max": plan.speed_max,
-            "off_standard": console.planner.off_standard(plan),
+            "off_standard": simulation.planner.off_standard(plan),
         }
         if len(plan.swing) > 1:
             record["landings"] = [list(plan.end.feet[leg]) for leg in landed]
         if plan.decision is not None:
             record["decision"] = plan.decision
         self.steps.append(record)
-        self._step_began = console.tick_count
+        self._step_began = simulation.tick_count
 
     def _note_input(self, tick: int, given: object) -> None:
         self.inputs.append({"tick": tick, **input_record(given)})
@@ -136,17 +143,16 @@ class Recorder:
 
     def write(self, out: Path, summary: dict[str, Any]) -> None:
         """The run directory: ``run.json`` last, so that a directory that has one is whole."""
-        console = self.console
+        simulation = self.simulation
         np.savez_compressed(out / "ticks.npz", **self.columns())  # type: ignore[arg-type]
-        np.savez_compressed(
-            out / "terrain.npz",
-            heights=console.perception.ground.heights.astype(np.float32),
-            cell=np.float64(console.perception.ground.cell),
-            origin=np.array(console.perception.ground.origin),
-            forbidden=console.perception.true_forbidden,
-            believed_heights=console.perception.belief.heights.astype(np.float32),
-            believed_forbidden=console.perception.belief.forbidden,
-        )
+        perception = simulation.perception
+        terrain = {
+            **ground_arrays(simulation.world.ground, perception.ground.heights),
+            "forbidden": perception.true_forbidden,
+            "believed_heights": perception.belief.heights.astype(np.float32),
+            "believed_forbidden": perception.belief.forbidden,
+        }
+        np.savez_compressed(out / "terrain.npz", **terrain)  # type: ignore[arg-type]
         _write_lines(out / "steps.jsonl", self.steps)
         _write_lines(out / "inputs.jsonl", self.inputs)
         (out / "run.json").write_text(

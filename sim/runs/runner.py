@@ -1,56 +1,53 @@
-"""Runs without a browser, faster than life: a scenario's timeline, its end, its expectations, and
-replays.
-"""
+"""Runs without a browser, faster than life: a scenario's timeline, its end, its expectations."""
 
 from __future__ import annotations
 
-import json
 import math
-import zipfile
-from collections.abc import Callable, Iterator, Mapping
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Any
 
-import numpy as np
-
-from walking_console.planner.robot.card import shown
-from walking_console.planner.robot.model import as_data, machine_from
+from walking_console.planner.robot.model import as_data
 from walking_console.planner.trace.planner import ARRIVED
 from walking_console.planner.types import TICK, Command
-from walking_console.sim.requests import Halt, TakePosture, input_from
+from walking_console.sim.plants import versions
+from walking_console.sim.requests import Halt, TakePosture
 from walking_console.sim.runs.metrics import measured
 from walking_console.sim.runs.recorder import MODES, SCHEMA, Recorder
-from walking_console.sim.scenario import Drive, Scenario, scenario_from
+from walking_console.sim.runs.run_files import RunError
+from walking_console.sim.scenario import Scenario
+from walking_console.sim.scenario_tables import Drive
 from walking_console.sim.simulation import Simulation
 from walking_console.sim.world import World, prepare
 
 BLOCKED_LIMIT = 10.0  # s
 PROGRESS_TICKS = 250
-# of one .npz of a run: an hour of eight legs over the largest map is half of it
-ARRAYS_BYTES_MAX = 1_000_000_000
-LOG_DIMENSIONS = {
-    "t": 1, "body": 2, "feet": 3, "contact": 2, "support": 2, "command": 2,
-    "margin": 1, "polygon_margin": 1, "step": 1, "mode": 1, "hash": 1,
-}  # fmt: skip
-SUMMARY_KINDS: dict[str, type] = {
-    "version": str, "scenario": dict, "robot": dict, "result": str, "reason": str, "ticks": int, "modes": dict, "state_hash": str,
-}  # fmt: skip
+AT_GOAL = 1e-9  # m; a distance this little short of its goal has reached it
 
-Progress = Callable[[Simulation, float], None]  # console, share done 0..1
+Progress = Callable[[Simulation, float], None]  # and the share done, 0 to 1
+Ending = tuple[str, str]  # result and reason of run.json
 
 
-class RunError(ValueError):
-    """A run directory that cannot be used; the message is one clear line."""
+@dataclass(frozen=True)
+class TimelineEntry:
+    """What a timeline gives at a tick: a command, and maybe a posture or a halt."""
+
+    tick: int
+    command: Command
+    request: TakePosture | Halt | None = None
 
 
-def timeline(scenario: Scenario) -> list[tuple[int, Command, TakePosture | Halt | None]]:
-    """The drive entries as (tick, command, request), in order; a given trace is one command at its
-    speed; with neither, hold.
-    """
+def timeline(scenario: Scenario) -> list[TimelineEntry]:
+    """The drive entries in order; a given trace is one command at its speed; with neither, hold."""
     if scenario.trace is not None:
-        return [(0, Command(0.0, scenario.trace.speed), None)]
-    return [(round(entry.t / TICK), entry.command(), _request(entry)) for entry in scenario.drive]
+        return [TimelineEntry(0, Command(0.0, scenario.trace.speed))]
+    return [
+        TimelineEntry(round(entry.t / TICK), entry.command(), _request(entry))
+        for entry in scenario.drive
+    ]
 
 
 def _request(entry: Drive) -> TakePosture | Halt | None:
@@ -74,98 +71,140 @@ def run_scenario(
 
     ``out`` is the run directory to write, made when it is not there. ``explain`` keeps why every
     step was taken, ``progress`` is called now and then, ``world`` saves preparing the scenario's
-    again. Raises ``RunError`` when the directory cannot be written, and what ``prepare`` raises.
+    again. A keyboard interrupt ends the walk, and what was walked is kept. Raises ``RunError`` when
+    the directory cannot be written, and what ``prepare`` raises.
 
     >>> from walking_console import load_scenario, run_scenario
     >>> summary = run_scenario(load_scenario("flat", ["end={time=10.0}", "expect={}"]))
     >>> summary["result"], summary["steps"], round(summary["distance"], 3)
     ('completed', 4, 0.8)
     """
-    console = Simulation(world or prepare(scenario), explain=explain)
-    recorder = Recorder(console)
-    result, reason = "interrupted", "interrupted"
+    simulation = Simulation(world or prepare(scenario), explain=explain)
+    recorder = Recorder(simulation)
+    ending = "interrupted", "interrupted"
     try:
-        result, reason = _walk_to_end(console, recorder, scenario, progress)
+        ending = _walk_to_end(simulation, recorder, progress)
     except KeyboardInterrupt:
         pass
-    summary = summarise(console, recorder, scenario, result, reason)
+    summary = summarise(simulation, recorder, *ending)
     if out is not None:
         try:
             Path(out).mkdir(parents=True, exist_ok=True)
             recorder.write(Path(out), summary)
         except OSError as error:
-            raise RunError(
-                f"cannot write the run directory {str(out)!r}: {error.strerror}"
-            ) from None
+            why = error.strerror
+            raise RunError(f"cannot write the run directory {str(out)!r}: {why}") from None
     return summary
 
 
-def _walk_to_end(
-    console: Simulation, recorder: Recorder, scenario: Scenario, progress: Progress | None
-) -> tuple[str, str]:
-    orders = timeline(scenario)
-    last_order = orders[-1][0] if orders else 0
-    time_end, distance_end = scenario.end.time, scenario.end.distance
+def _walk_to_end(simulation: Simulation, recorder: Recorder, progress: Progress | None) -> Ending:
+    scenario = simulation.world.scenario
+    entries = deque(timeline(scenario))
+    ends = _Ends(simulation, entries[-1].tick if entries else 0)
     ticks_max = round(scenario.time_limit / TICK)
-    blocked_ticks, next_order = 0, 0
-    step, note, plant = console.step, recorder.note, console.plant
     for index in range(ticks_max):
-        while next_order < len(orders) and orders[next_order][0] <= index:
-            _, command, request = orders[next_order]
-            console.order(command)
-            if request is not None:
-                console.request(request)
-            next_order += 1
-        step()
-        note()
-        if plant.state == "fallen":
-            return "fell", console.reason
-        if distance_end is not None and console.distance >= distance_end - 1e-9:
-            return "completed", "distance"
-        if console.walk.blocked is not None and console.walk.blocked.reason == ARRIVED:
-            return "completed", ARRIVED
-        blocked_ticks = blocked_ticks + 1 if console.walk.blocked is not None else 0
-        if blocked_ticks * TICK >= BLOCKED_LIMIT and index >= last_order:
-            return "blocked", console.reason
+        while entries and entries[0].tick <= index:
+            entry = entries.popleft()
+            simulation.order(entry.command)
+            if entry.request is not None:
+                simulation.request(entry.request)
+        simulation.step()
+        recorder.note()
+        ending = ends.reached(index)
+        if ending is not None:
+            return ending
         if progress is not None and index % PROGRESS_TICKS == 0:
-            progress(console, _share(index / ticks_max, console.distance, distance_end))
-    return ("blocked", "time") if time_end is None else ("completed", "time")
+            progress(simulation, _share(index / ticks_max, simulation.distance, scenario))
+    return ("blocked", "time") if scenario.end.time is None else ("completed", "time")
 
 
-def _share(of_time: float, distance: float, distance_end: float | None) -> float:
-    return of_time if distance_end is None else min(1.0, max(of_time, distance / distance_end))
+class _Ends:
+    """What ends a walk before its time: a fall, its distance or path walked, being blocked for
+    long.
+    """
+
+    def __init__(self, simulation: Simulation, last_entry: int) -> None:
+        self.simulation = simulation
+        self.last_entry = last_entry
+        distance = simulation.world.scenario.end.distance
+        self.goal = math.inf if distance is None else distance - AT_GOAL
+        self.blocked_ticks = 0
+
+    def reached(self, index: int) -> Ending | None:
+        """How the walk has ended with the tick just run, None when it goes on."""
+        simulation = self.simulation
+        if simulation.plant.state == "fallen":
+            return "fell", simulation.reason
+        if simulation.distance >= self.goal:
+            return "completed", "distance"
+        blocked = simulation.walk.blocked
+        if blocked is None:
+            self.blocked_ticks = 0
+            return None
+        if blocked.reason == ARRIVED:
+            return "completed", ARRIVED
+        self.blocked_ticks += 1
+        if self.blocked_ticks * TICK >= BLOCKED_LIMIT and index >= self.last_entry:
+            return "blocked", simulation.reason
+        return None
+
+
+def _share(of_time: float, distance: float, scenario: Scenario) -> float:
+    """How much of a run is done, 0 to 1."""
+    goal = scenario.end.distance
+    return of_time if goal is None else min(1.0, max(of_time, distance / goal))
 
 
 def summarise(
-    console: Simulation, recorder: Recorder, scenario: Scenario, result: str, reason: str
+    simulation: Simulation, recorder: Recorder, result: str, reason: str
 ) -> dict[str, Any]:
     """``run.json``: what was run, how it ended, and each expectation held against what came."""
-    seconds = recorder.ticks * TICK
-    figures: dict[str, Any] = {
-        "ticks": recorder.ticks,
-        "seconds": seconds,
-        "distance": console.distance,
-        "mean_speed": console.distance / seconds if seconds else 0.0,
-        "steps": len(recorder.steps),
-        "margin_min": recorder.margin_min if math.isfinite(recorder.margin_min) else None,
-        "forbidden_steps": recorder.forbidden_steps,
-        "falls": recorder.falls,
-        "emergent": dict(sorted(console.walk.contacts.counts.items())),
-        **measured(console, recorder),
-    }
+    scenario, ground = simulation.world.scenario, simulation.world.ground
+    figures = _figures(simulation, recorder)
     return {
         "schema": SCHEMA,
         "version": product_version(),
-        "scenario": scenario.as_data(),
-        "robot": as_data(console.world.machine),
+        "versions": versions(scenario.plant),
+        "plant": scenario.plant,
+        "scenario": without_folders(scenario),
+        "robot": as_data(simulation.world.machine),
+        "start_ground": {"kind": ground.kind, "final": ground.final},
         "result": result,
         "reason": reason,
-        "ground": console.perception.ground.note or console.perception.ground.kind,
+        "ground": ground.note or ground.kind,
         **figures,
         "expect": held(scenario, figures),
         "modes": MODES,
         "state_hash": recorder.state_hash,
     }
+
+
+def _figures(simulation: Simulation, recorder: Recorder) -> dict[str, Any]:
+    """The figures of merit; None where there is nothing to measure."""
+    seconds = recorder.ticks * TICK
+    return {
+        "ticks": recorder.ticks,
+        "seconds": seconds,
+        "distance": simulation.distance,
+        "mean_speed": simulation.distance / seconds if seconds else 0.0,
+        "steps": len(recorder.steps),
+        "margin_min": recorder.margin_min if math.isfinite(recorder.margin_min) else None,
+        "forbidden_steps": recorder.forbidden_steps,
+        "falls": recorder.falls,
+        "emergent": dict(sorted(simulation.walk.contacts.counts.items())),
+        **measured(simulation, recorder),
+    }
+
+
+def without_folders(scenario: Scenario) -> dict[str, Any]:
+    """A scenario as plain data in which files are named without their folders: a run directory goes
+    to other machines, and brings robot and ground along.
+    """
+    data = scenario.as_data()
+    if "file" in data["terrain"]:
+        data["terrain"]["file"] = PurePath(data["terrain"]["file"]).name
+    data["robot"] = PurePath(data["robot"]).name
+    return data
 
 
 def held(scenario: Scenario, figures: dict[str, Any]) -> dict[str, dict[str, Any]]:
@@ -187,9 +226,8 @@ def held(scenario: Scenario, figures: dict[str, Any]) -> dict[str, dict[str, Any
 
 def succeeded(summary: dict[str, Any]) -> bool:
     """Completed, and every expectation held."""
-    return summary["result"] == "completed" and all(
-        entry["pass"] for entry in summary["expect"].values()
-    )
+    expected = all(entry["pass"] for entry in summary["expect"].values())
+    return summary["result"] == "completed" and expected
 
 
 def product_version() -> str:
@@ -198,164 +236,3 @@ def product_version() -> str:
         return version("walking-console")
     except PackageNotFoundError:
         return "0+unknown"
-
-
-def read_run(directory: Path) -> dict[str, Any]:
-    """``run.json`` of a run directory; raises ``RunError``."""
-    try:
-        summary = json.loads((directory / "run.json").read_text("utf-8"))
-    except FileNotFoundError:
-        raise RunError(f"{directory} is not a run directory: it has no run.json") from None
-    except (OSError, ValueError, RecursionError) as error:
-        raise RunError(f"cannot read {directory / 'run.json'}: {error}") from None
-    if not isinstance(summary, dict) or summary.get("schema") != SCHEMA:
-        got = summary.get("schema") if isinstance(summary, dict) else type(summary).__name__
-        raise RunError(f"{directory / 'run.json'} must have schema {SCHEMA}, got {shown(got)}")
-    for key, kind in SUMMARY_KINDS.items():
-        if not isinstance(summary.get(key), kind):
-            raise RunError(
-                f"{directory / 'run.json'}: {key} is missing or is no {kind.__name__}, got {shown(summary.get(key))}"
-            )
-    return summary
-
-
-def recorded_world(directory: Path, summary: dict[str, Any]) -> World:
-    """The world a run was walked in; raises ``RunError`` when its files no longer say."""
-    try:
-        return prepare(
-            scenario_from(summary["scenario"], directory), machine_from(summary["robot"])
-        )
-    except ValueError as error:
-        raise RunError(f"{directory / 'run.json'}: {error}") from None
-
-
-def read_arrays(path: Path, wanted: Mapping[str, int]) -> dict[str, np.ndarray[Any, Any]]:
-    """The arrays of an .npz of a run, each of the wanted number of dimensions; raises ``RunError``."""
-    try:
-        with zipfile.ZipFile(path) as archive:
-            size = sum(info.file_size for info in archive.infolist())
-        if size > ARRAYS_BYTES_MAX:
-            raise RunError(f"{path} unpacks to {size} bytes; at most {ARRAYS_BYTES_MAX}")
-        with np.load(path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
-    except RunError:
-        raise
-    # broken files raise whatever the decoders underneath happen to: struct, zlib, tokenize ...
-    except Exception as error:
-        raise RunError(f"cannot read {path}: {error or type(error).__name__}") from None
-    for name, dimensions in wanted.items():
-        array = arrays.get(name)
-        if array is None:
-            raise RunError(f"cannot read {path}: there is no {name!r} in it")
-        if array.ndim != dimensions or array.dtype.kind not in "fiub":
-            raise RunError(
-                f"cannot read {path}: {name!r} must be numbers of {dimensions} dimensions, got {array.dtype} {array.shape}"
-            )
-    return arrays
-
-
-def read_log(directory: Path) -> dict[str, np.ndarray[Any, Any]]:
-    """``ticks.npz`` as named arrays of one length; raises ``RunError``."""
-    path = directory / "ticks.npz"
-    log = read_arrays(path, LOG_DIMENSIONS)
-    ticks, legs = log["feet"].shape[:2]
-    widths = {
-        "body": (6,),
-        "feet": (legs, 3),
-        "contact": (legs,),
-        "support": (legs,),
-        "command": (3,),
-    }
-    for name in LOG_DIMENSIONS:
-        if log[name].shape != (ticks, *widths.get(name, ())) or not ticks:
-            raise RunError(
-                f"cannot read {path}: {name!r} has shape {log[name].shape} where there are {ticks} ticks of {legs} legs"
-            )
-    if log["hash"].dtype != np.uint64:
-        raise RunError(f"cannot read {path}: 'hash' must be uint64, got {log['hash'].dtype}")
-    for name in ("contact", "support", "step", "mode"):
-        if log[name].dtype.kind == "f":
-            raise RunError(
-                f"cannot read {path}: {name!r} must be whole numbers, got {log[name].dtype}"
-            )
-    for name in ("t", "body", "feet", "command"):
-        if not np.isfinite(log[name]).all():
-            raise RunError(f"cannot read {path}: {name!r} has values that are no numbers")
-    return log
-
-
-def read_steps(directory: Path) -> list[dict[str, Any]]:
-    """``steps.jsonl``; raises ``RunError``."""
-    path = directory / "steps.jsonl"
-    try:
-        steps = [json.loads(line) for line in path.read_text("utf-8").splitlines()]
-    except (OSError, ValueError, RecursionError) as error:
-        raise RunError(f"cannot read {path}: {error}") from None
-    for number, step in enumerate(steps, 1):
-        if (
-            not isinstance(step, dict)
-            or type(step.get("tick")) is not int
-            or not isinstance(step.get("swing"), list)
-        ):
-            raise RunError(
-                f"{path} line {number} is not a step: it needs a tick and the legs that swing"
-            )
-    return steps
-
-
-def rerun(directory: Path) -> Iterator[tuple[Simulation, bool]]:
-    """Run a recorded run again from its inputs: after every tick the console, and whether its hash
-    is the recorded one.
-    """
-    summary = read_run(directory)
-    recorded = read_log(directory)["hash"]
-    inputs = list(_recorded_inputs(directory))
-    console = Simulation(recorded_world(directory, summary))
-    recorder = Recorder(console)
-    next_input = 0
-    for index in range(len(recorded)):
-        while next_input < len(inputs) and inputs[next_input][0] <= index:
-            given = inputs[next_input][1]
-            if isinstance(given, Command):
-                console.order(given)
-            else:
-                console.request(given)
-            next_input += 1
-        console.step()
-        recorder.note()
-        yield console, recorder.hash == int(recorded[index]).to_bytes(8, "little")
-
-
-def replay(directory: Path) -> dict[str, Any]:
-    """Run a recorded run again and compare the state hash of every tick; stops at the first
-    difference.
-    """
-    ticks = 0
-    for console, equal in rerun(directory):
-        ticks = console.tick_count
-        if not equal:
-            return {"equal": False, "first_difference": ticks - 1, "t": ticks * TICK}
-    return {"equal": True, "ticks": ticks, "state_hash": read_run(directory)["state_hash"]}
-
-
-def _recorded_inputs(directory: Path) -> Iterator[tuple[int, Any]]:
-    path = directory / "inputs.jsonl"
-    try:
-        lines = path.read_text("utf-8").splitlines()
-    except (OSError, ValueError) as error:
-        raise RunError(f"cannot read {path}: {error}") from None
-    for number, line in enumerate(lines, 1):
-        try:
-            record = json.loads(line)
-            yield int(record["tick"]), input_from(record)
-        except (
-            ValueError,
-            KeyError,
-            TypeError,
-            AttributeError,
-            OverflowError,
-            RecursionError,
-        ) as error:
-            raise RunError(
-                f"{path} line {number} is not an input: {type(error).__name__} {error}"
-            ) from None

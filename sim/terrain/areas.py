@@ -1,27 +1,26 @@
-"""Cells of the ground under a circle or a rectangle."""
+"""CellList of the ground under a circle or a rectangle."""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from walking_console.planner.terrain.mapping import Index
 from walking_console.sim.snapshot import TerrainView
 
-Cells = tuple[tuple[int, int], ...]  # (row, column)
-Indices = NDArray[np.intp]
+CellList = tuple[tuple[int, int], ...]  # (row, column)
 
 
 def cells_in_rectangle(
     terrain: TerrainView, low: tuple[float, float], high: tuple[float, float]
-) -> Cells:
+) -> CellList:
     """Every cell of the map that the rectangle from ``low`` to ``high`` (x, y in m) touches."""
     rows, columns = _touched(terrain, low, high)
     return _pairs(rows.ravel(), columns.ravel())
 
 
-def cells_in_circle(terrain: TerrainView, x: float, y: float, radius: float) -> Cells:
+def cells_in_circle(terrain: TerrainView, x: float, y: float, radius: float) -> CellList:
     """The cells of the map whose centres are within ``radius`` (m) of a point."""
     rows, columns = _touched(terrain, (x - radius, y - radius), (x + radius, y + radius))
     dx = terrain.origin[0] + (columns + 0.5) * terrain.cell - x
@@ -32,7 +31,7 @@ def cells_in_circle(terrain: TerrainView, x: float, y: float, radius: float) -> 
 
 def _touched(
     terrain: TerrainView, low: tuple[float, float], high: tuple[float, float]
-) -> tuple[Indices, Indices]:
+) -> tuple[Index, Index]:
     """Rows and columns of the cells that a rectangle touches, each (rows, columns)."""
     ny, nx = terrain.heights.shape
     columns = _span(low[0], high[0], terrain.origin[0], terrain.cell, nx)
@@ -41,12 +40,12 @@ def _touched(
     return in_rows, in_columns
 
 
-def _span(low: float, high: float, origin: float, cell: float, count: int) -> Indices:
-    """Indices along one axis, those on the map."""
+def _span(low: float, high: float, origin: float, cell: float, count: int) -> Index:
+    """Index along one axis, those on the map."""
     first = max(0, math.floor((low - origin) / cell))
     last = min(count - 1, math.floor((high - origin) / cell))
     return np.arange(first, last + 1)
 
 
-def _pairs(rows: Indices, columns: Indices) -> Cells:
+def _pairs(rows: Index, columns: Index) -> CellList:
     return tuple(zip(rows.tolist(), columns.tolist(), strict=True))

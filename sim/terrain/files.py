@@ -21,17 +21,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from walking_console.planner.robot.model import is_file
+from walking_console.planner.types import Array
 
 from .generators import (
     CELL_MAX,
     CELL_MIN,
     SMOOTH_CELL,
-    Array,
     Dem,
     FileTerrain,
     GroundError,
     Site,
-    _turn,
+    quarter_direction,
 )
 from .readers import READERS, Raster
 
@@ -426,7 +426,7 @@ def read_elevation(terrain: Dem, site: Site) -> Array:
     edges.
     """
     grid, east, north = _elevation()
-    c, s = _turn(terrain.heading_deg)
+    c, s = quarter_direction(terrain.heading_deg)
     to_column, to_row = terrain.scale / east, terrain.scale / north
     columns = (terrain.offset[0] + c * site.x - s * site.y) * to_column
     rows = (terrain.offset[1] + s * site.x + c * site.y) * to_row

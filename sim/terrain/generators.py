@@ -14,20 +14,19 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
-from walking_console.planner.geometry.transforms import left_fold_sum
+from walking_console.planner.geometry.paths import Box
+from walking_console.planner.geometry.transforms import direction, directions, left_fold_sum
+from walking_console.planner.types import Array
 
-Array = NDArray[np.float64]
-Box = tuple[float, float, float, float]  # x_min, x_max, y_min, y_max
+from ..tables import Bearing, Extent, MapMetres, Table
+
 SMOOTH_CELL = 0.025  # m: smooth ground is resampled to cells no larger than this
 CELL_MIN, CELL_MAX = 0.005, 1.0  # m
 SEED_MAX = 2**63 - 1
 
 CellSize = Annotated[float, Field(ge=CELL_MIN, le=1000.0)]
-Metres = Annotated[float, Field(gt=0.0, le=100.0)]
-Degrees = Annotated[float, Field(ge=-360.0, le=360.0)]
-Place = Annotated[float, Field(ge=-1000.0, le=1000.0)]
 
 
 class GroundError(ValueError):
@@ -65,10 +64,9 @@ class Site(NamedTuple):
     seed: int
 
 
-class Terrain(BaseModel):
+class Terrain(Table):
     """What every kind has."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
     kind: str
     seed: int | None = Field(
         default=None, ge=0, le=SEED_MAX, description="the scenario's seed when not given"
@@ -108,7 +106,7 @@ class Generated(Terrain):
         }
 
     def shape(self, site: Site) -> Array:
-        """Heights in metres at the site's cells (anything that broadcasts to them); NaN is a hole."""
+        """Heights in metres at the site's cells, or what broadcasts to them; NaN is a hole."""
         return np.zeros((1, 1))
 
     def obstacles(self, site: Site) -> tuple[Obstacle, ...]:
@@ -136,7 +134,7 @@ class Slope(Generated):
     angle_deg: float = Field(
         default=8.0, ge=-45.0, le=45.0, description="inclination, rising along the heading"
     )
-    heading_deg: Degrees = Field(default=0.0, description="direction of steepest ascent")
+    heading_deg: Bearing = Field(default=0.0, description="direction of steepest ascent")
 
     def shape(self, site: Site) -> Array:
         return np.asarray(math.tan(math.radians(self.angle_deg)) * _along(site, self.heading_deg))
@@ -167,8 +165,10 @@ class Rough(Generated):
         wave = 2 * math.pi / (self.length * 4.0 ** rng.uniform(0.0, 1.0, self.WAVES))
         heights = np.zeros((site.y.size, site.x.size))
         for k, a, p in zip(wave, heading, phase, strict=True):
-            u, v = k * math.cos(a) * site.x + p, k * math.sin(a) * site.y
-            heights += np.sin(u) * np.cos(v) + np.cos(u) * np.sin(v)
+            c, s = direction(a)
+            along_x, along_y = directions(k * c * site.x + p), directions(k * s * site.y)
+            # sin(u + v), an axis at a time
+            heights += along_x[1] * along_y[0] + along_x[0] * along_y[1]
         # the standard deviation is half the amplitude
         heights *= self.amplitude / 2 / math.sqrt(self.WAVES / 2)
         return np.clip(heights, -self.amplitude, self.amplitude)
@@ -183,7 +183,7 @@ class Wave(Generated):
         default=0.06, ge=0.0, le=1.0, description="m, half the height from furrow to ridge"
     )
     length: float = Field(default=2.0, ge=0.2, le=100.0, description="m, ridge to ridge")
-    heading_deg: Degrees = Field(default=0.0, description="direction across the ridges")
+    heading_deg: Bearing = Field(default=0.0, description="direction across the ridges")
 
     def shape(self, site: Site) -> Array:
         return np.asarray(
@@ -203,9 +203,9 @@ class Stairs(Generated):
     direction: Literal["up", "down", "up-down"] = Field(
         default="up", description="up, down, or up-down"
     )
-    landing: Metres = Field(default=1.5, description="m of level ground on top between up and down")
-    at: Place = Field(default=1.2, description="m to the first edge")
-    heading_deg: Degrees = Field(default=0.0, description="direction of walking up the flight")
+    landing: Extent = Field(default=1.5, description="m of level ground on top between up and down")
+    at: MapMetres = Field(default=1.2, description="m to the first edge")
+    heading_deg: Bearing = Field(default=0.0, description="direction of walking up the flight")
 
     def _edges(self) -> list[tuple[float, float]]:
         """(distance of an edge, change of height there), in order."""
@@ -244,18 +244,18 @@ class Stairs(Generated):
 class Patch(Generated):
     """A rectangle on level ground."""
 
-    length: Metres = Field(default=1.2, description="m along x, before turning")
-    width: Metres = Field(default=1.6, description="m along y, before turning")
-    at: Place = Field(default=1.4, description="m along x to the near side, before turning")
-    aside: Place = Field(default=0.0, description="m along y to the middle")
-    angle_deg: Degrees = Field(default=0.0, description="turned about its own middle")
+    length: Extent = Field(default=1.2, description="m along x, before turning")
+    width: Extent = Field(default=1.6, description="m along y, before turning")
+    at: MapMetres = Field(default=1.4, description="m along x to the near side, before turning")
+    aside: MapMetres = Field(default=0.0, description="m along y to the middle")
+    angle_deg: Bearing = Field(default=0.0, description="turned about its own middle")
 
     @property
     def middle(self) -> tuple[float, float]:
         return self.at + self.length / 2, self.aside
 
     def inside(self, site: Site) -> NDArray[np.bool_]:
-        c, s = _turn(self.angle_deg)
+        c, s = quarter_direction(self.angle_deg)
         dx, dy = site.x - self.middle[0], site.y - self.middle[1]
         u, v = c * dx + s * dy, c * dy - s * dx
         return np.asarray((abs(u) <= self.length / 2) & (abs(v) <= self.width / 2))
@@ -303,9 +303,9 @@ class River(Generated):
 
     RAMP = {"width": (0.1, 0.6)}
     kind: Literal["river"]
-    width: Metres = Field(default=0.35, description="m")
-    at: Place = Field(default=1.2, description="m to the near bank")
-    heading_deg: Degrees = Field(default=0.0, description="direction square to the banks")
+    width: Extent = Field(default=0.35, description="m")
+    at: MapMetres = Field(default=1.2, description="m to the near bank")
+    heading_deg: Bearing = Field(default=0.0, description="direction square to the banks")
 
     def shape(self, site: Site) -> Array:
         along = _along(site, self.heading_deg)
@@ -319,14 +319,14 @@ class Gap(Generated):
 
     RAMP = {"width": (0.1, 0.4), "drop": (0.0, 0.16)}
     kind: Literal["gap"]
-    width: Metres = Field(default=0.25, description="m")
+    width: Extent = Field(default=0.25, description="m")
     count: int = Field(default=3, ge=1, le=100, description="gaps")
-    spacing: Metres = Field(default=1.5, description="m from one gap's near edge to the next one's")
+    spacing: Extent = Field(default=1.5, description="m from one gap's near edge to the next one's")
     drop: float = Field(
         default=0.08, ge=-1.0, le=1.0, description="m every second ledge lies lower"
     )
-    at: Place = Field(default=1.2, description="m to the first gap")
-    heading_deg: Degrees = Field(default=0.0, description="direction square to the gaps")
+    at: MapMetres = Field(default=1.2, description="m to the first gap")
+    heading_deg: Bearing = Field(default=0.0, description="direction square to the gaps")
 
     def shape(self, site: Site) -> Array:
         along = _along(site, self.heading_deg)
@@ -351,7 +351,7 @@ class Holes(Generated):
         default=0.3, ge=0.0, le=1.0, description="share of the cells that are holes"
     )
     cell: float = Field(default=0.05, ge=CELL_MIN, le=CELL_MAX, description="m")
-    large: list[Annotated[list[Place], Field(min_length=4, max_length=4)]] = Field(
+    large: list[Annotated[list[MapMetres], Field(min_length=4, max_length=4)]] = Field(
         default=[], max_length=100, description="m, x_min, x_max, y_min, y_max of each large hole"
     )
 
@@ -388,7 +388,7 @@ class SteppingStones(Generated):
     RAMP = {"size": (0.45, 0.25), "spacing": (0.05, 0.2), "jitter": (0.0, 0.08)}
     clears_start = True
     kind: Literal["stepping_stones"]
-    size: Metres = Field(default=0.35, description="m, side of a stone")
+    size: Extent = Field(default=0.35, description="m, side of a stone")
     spacing: float = Field(default=0.125, ge=0.0, le=10.0, description="m between two stones")
     jitter: float = Field(
         default=0.04,
@@ -417,7 +417,7 @@ class Poles(Generated):
     spacing: float = Field(
         default=0.25, ge=0.0, le=10.0, description="m of free ground between two poles"
     )
-    area: Annotated[list[Place], Field(min_length=4, max_length=4)] = Field(
+    area: Annotated[list[MapMetres], Field(min_length=4, max_length=4)] = Field(
         default=[1.2, 8.0, -2.0, 2.0],
         description="m, x_min, x_max, y_min, y_max of the ground they stand on",
     )
@@ -427,7 +427,8 @@ class Poles(Generated):
         x_min, x_max, y_min, y_max = self.area
         if not (x_min < x_max and y_min < y_max):
             raise ValueError(
-                f"area must be [x_min, x_max, y_min, y_max] with x_min < x_max and y_min < y_max, got {self.area}"
+                "area must be [x_min, x_max, y_min, y_max] with x_min < x_max and y_min < y_max, "
+                f"got {self.area}"
             )
         return self
 
@@ -447,7 +448,8 @@ class Poles(Generated):
                 placed.append((x, y))
         if len(placed) < self.count:
             raise GroundError(
-                f"only {len(placed)} of {self.count} poles fit; use fewer, less spacing or a larger area"
+                f"only {len(placed)} of {self.count} poles fit; "
+                "use fewer, less spacing or a larger area"
             )
         return placed
 
@@ -476,11 +478,12 @@ class Dem(Generated):
     kind: Literal["dem"]
     scale: float = Field(default=1000.0, ge=10.0, le=1e6, description="horizontal scale 1:scale")
     relief: float = Field(default=2000.0, ge=10.0, le=1e9, description="vertical scale 1:relief")
-    offset: Annotated[list[Place], Field(min_length=2, max_length=2)] = Field(
+    offset: Annotated[list[MapMetres], Field(min_length=2, max_length=2)] = Field(
         default=[8.0, 16.0],
-        description="m at walking scale, east and north of the model's south-west corner: what lies at the origin",
+        description="m at walking scale, east and north of the model's south-west corner: "
+        "what lies at the origin",
     )
-    heading_deg: Degrees = Field(
+    heading_deg: Bearing = Field(
         default=0.0, description="compass direction of +x, counter-clockwise from east"
     )
 
@@ -508,7 +511,8 @@ class FileTerrain(Terrain):
     )
     offset: Annotated[float, Field(ge=-1e5, le=1e5)] | Literal["min", "start"] | None = Field(
         default=None,
-        description='m taken off every height; "min": the lowest, "start": that of the start; by itself where heights are more than 10 m from 0',
+        description='m taken off every height; "min": the lowest, "start": that of the start; '
+        "by itself where heights are more than 10 m from 0",
     )
     nodata: float | None = Field(
         default=None, description="the height that stands for none; the file's own when not given"
@@ -517,12 +521,13 @@ class FileTerrain(Terrain):
         default=None, description="mirror the map along an axis"
     )
     step: int = Field(default=1, ge=1, le=1000, description="take every so many cells")
-    crop: Annotated[list[Place], Field(min_length=4, max_length=4)] | None = Field(
+    crop: Annotated[list[MapMetres], Field(min_length=4, max_length=4)] | None = Field(
         default=None, description="keep only [x_min, x_max, y_min, y_max], m"
     )
-    origin: Annotated[list[Place], Field(min_length=2, max_length=2)] | None = Field(
+    origin: Annotated[list[MapMetres], Field(min_length=2, max_length=2)] | None = Field(
         default=None,
-        description="x, y of the corner of the cell of least x and y; the map's middle lies at the origin, or the .npz file's own",
+        description="x, y of the corner of the cell of least x and y; the map's middle lies at the "
+        "origin, or the .npz file's own",
     )
     nan: Literal["hole"] | None = Field(
         default=None,
@@ -587,17 +592,17 @@ def _one_line(model: type[Terrain]) -> str:
     return f"{words} ({', '.join(own)})" if own else words
 
 
-def _turn(angle_deg: float) -> tuple[float, float]:
+def quarter_direction(angle_deg: float) -> tuple[float, float]:
     """cos and sin, exact at quarter turns: a river square to the course has straight banks."""
     quarter, rest = divmod(angle_deg, 90.0)
     if rest == 0.0:
         return ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[int(quarter) % 4]
-    return math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
+    return direction(math.radians(angle_deg))
 
 
 def _along(site: Site, heading_deg: float) -> Array:
     """Distance of every cell from the origin along the heading."""
-    c, s = _turn(heading_deg)
+    c, s = quarter_direction(heading_deg)
     return np.asarray(c * site.x + s * site.y)
 
 
@@ -612,7 +617,7 @@ def _box(
     middle: tuple[float, float] = (0.0, 0.0),
 ) -> Obstacle:
     """The rectangle [u0, u1] x [v0, v1] turned about the origin, then carried to ``middle``."""
-    c, s = _turn(angle_deg)
+    c, s = quarter_direction(angle_deg)
     corners = tuple(
         (middle[0] + c * u - s * v, middle[1] + s * u + c * v)
         for u, v in ((u0, v0), (u1, v0), (u1, v1), (u0, v1))

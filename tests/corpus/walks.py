@@ -19,7 +19,7 @@ from walking_console.planner.types import Command
 from walking_console.sim.requests import Edit, Push, TakePosture
 from walking_console.sim.runs.recorder import Recorder
 from walking_console.sim.runs.runner import run_scenario
-from walking_console.sim.scenario import load_scenario, scenario_names
+from walking_console.sim.scenario_files import load_scenario, scenario_names
 from walking_console.sim.simulation import Simulation
 from walking_console.sim.world import prepare
 

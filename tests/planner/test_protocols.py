@@ -19,7 +19,7 @@ from walking_console.planner.robot.model import load_machine
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.types import Blocked, Command, Gait, Stance, StepPlan
 from walking_console.sim.kinematic.plant import KinematicPlant
-from walking_console.sim.scenario import load_scenario
+from walking_console.sim.scenario_files import load_scenario
 from walking_console.sim.simulation import Simulation, prepare
 
 CHOICES = [

@@ -52,7 +52,7 @@ def test_a_cut_file_is_refused_by_replay(run, name, keep):
     [
         {"scenario": None}, {"robot": []}, {"robot": {}}, {"ticks": "x"}, {"modes": 5},
         {"schema": 2},
-        {"scenario": {"terrain": {"kind": "file", "file": "none.npy"}}},
+        {"scenario": {"terrain": {"kind": "file", "file": "none.npy"}}, "start_ground": None},
     ],
 )  # fmt: skip
 def test_a_changed_summary_is_refused_by_replay(run, change):

@@ -10,7 +10,7 @@ from walking_console.server.api.app import create_app
 from walking_console.server.api.state import AppSettings
 from walking_console.server.explanation_frames import CANDIDATES_SHOWN, ahead_frame, decision_frame
 from walking_console.server.realtime_loop import RealtimeLoop
-from walking_console.sim.scenario import load_scenario, scenario_from
+from walking_console.sim.scenario_files import load_scenario, scenario_from
 from walking_console.sim.simulation import Simulation
 from walking_console.sim.world import prepare
 

@@ -19,7 +19,7 @@ from walking_console.server.frames import (
     snapshot_frame,
     wire_fields,
 )
-from walking_console.sim.scenario import load_scenario
+from walking_console.sim.scenario_files import load_scenario
 from walking_console.sim.simulation import Simulation
 from walking_console.sim.snapshot import INSIDE, Sent, Snapshot
 from walking_console.sim.world import World, prepare

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from walking_console.server.run_directories import RUNS, empty_directory, next_directory
-from walking_console.sim.runs.runner import RunError
+from walking_console.sim.runs.run_files import RunError
 
 
 def test_without_a_name_the_next_free_number_is_taken(

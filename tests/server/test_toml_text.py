@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from walking_console.server.toml_text import toml
-from walking_console.sim.scenario import load_scenario, scenario_from, scenario_names
+from walking_console.sim.scenario_files import load_scenario, scenario_from, scenario_names
 
 
 @pytest.mark.parametrize("name", scenario_names())

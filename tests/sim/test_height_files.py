@@ -12,7 +12,7 @@ import tifffile
 from PIL import Image
 
 from walking_console.planner.robot.model import load_machine
-from walking_console.sim.scenario import load_scenario
+from walking_console.sim.scenario_files import load_scenario
 from walking_console.sim.simulation import prepare
 from walking_console.sim.terrain.files import CELLS_MAX, read_heights
 from walking_console.sim.terrain.generators import FileTerrain, GroundError

@@ -16,8 +16,8 @@ from walking_console.planner.geometry.transforms import point_placed, point_seen
 from walking_console.planner.protocols import Plant, PlantState
 from walking_console.planner.robot.model import Machine, load_machine
 from walking_console.planner.types import TICK, Point, Sensing, Stance
-from walking_console.sim.plants import PLANTS, PlantEntry, plant_entry, versions
-from walking_console.sim.scenario import ScenarioError, load_scenario, scenario_from
+from walking_console.sim.plants import PLANTS, PlantEntry
+from walking_console.sim.scenario_files import load_scenario
 from walking_console.sim.sensor_noise import SensorNoise
 from walking_console.sim.simulation import Simulation
 from walking_console.sim.terrain.ground import Ground
@@ -226,23 +226,3 @@ def test_a_walk_over_level_ground_needs_nothing_else_of_it(name, monkeypatch):
     assert simulation.distance > 1.0
     assert simulation.walk.steps_begun >= 4
     assert simulation.plant.state == "standing"
-
-
-def test_a_plant_that_does_not_exist_is_refused_with_those_that_do():
-    with pytest.raises(ScenarioError, match="plant should be 'kinematic'.*, got 'jelly'"):
-        scenario_from({"plant": "jelly"})
-    with pytest.raises(ValueError, match="there are: kinematic"):
-        plant_entry("jelly")
-
-
-@pytest.mark.skipif(find_spec("mujoco") is None, reason="MuJoCo is not installed")
-def test_a_plant_in_physics_says_which_mujoco_it_is_by():
-    assert (
-        {"python", "numpy"}
-        < set(versions("physics"))
-        <= {"python", "numpy", "mujoco-core", "mujoco"}
-    )
-
-
-def test_a_plant_says_which_versions_its_walks_depend_on():
-    assert set(versions("kinematic")) == {"python", "numpy", "pymunk"}

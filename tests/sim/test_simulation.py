@@ -9,7 +9,7 @@ from walking_console.planner.stability import MARGIN_SLACK
 from walking_console.planner.terrain.traversability import classify
 from walking_console.planner.types import Command, Mode
 from walking_console.sim.requests import Edit, Load, Push, Reset
-from walking_console.sim.scenario import load_scenario
+from walking_console.sim.scenario_files import load_scenario
 from walking_console.sim.simulation import Simulation
 from walking_console.sim.world import prepare
 

@@ -26,7 +26,7 @@ from walking_console.planner.stability import polygon_margin, support_polygon
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.types import Blocked, Command, Gait, Stance, StepPlan
 from walking_console.sim.runs.runner import run_scenario
-from walking_console.sim.scenario import load_scenario
+from walking_console.sim.scenario_files import load_scenario
 
 TITAN = load_machine("titan3")
 CELL = 0.05  # m

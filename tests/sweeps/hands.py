@@ -24,7 +24,7 @@ import numpy as np
 
 from walking_console.planner.stability import MARGIN_SLACK
 from walking_console.planner.types import TICK, Command
-from walking_console.sim.scenario import load_scenario
+from walking_console.sim.scenario_files import load_scenario
 from walking_console.sim.simulation import Simulation
 from walking_console.sim.world import prepare
 

@@ -19,8 +19,9 @@ import numpy as np
 from walking_console.planner.robot.model import machine_from
 from walking_console.sim.mujoco.reenact import Recording, Reenactment, Verdict
 from walking_console.sim.mujoco.settings import Physics, ServoSettings
-from walking_console.sim.runs.runner import read_arrays, read_run, run_scenario
-from walking_console.sim.scenario import load_scenario
+from walking_console.sim.runs.run_files import read_arrays, read_run
+from walking_console.sim.runs.runner import run_scenario
+from walking_console.sim.scenario_files import load_scenario
 from walking_console.sim.terrain.ground import Ground
 
 HEAD = (

@@ -17,7 +17,8 @@ from walking_console.planner.protocols import ATTITUDES
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.types import Command, Gait
 from walking_console.sim.runs.recorder import Recorder
-from walking_console.sim.scenario import Scenario, scenario_from
+from walking_console.sim.scenario import Scenario
+from walking_console.sim.scenario_files import scenario_from
 from walking_console.sim.simulation import Simulation
 from walking_console.sim.world import prepare
 

@@ -15,7 +15,7 @@ import numpy as np
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.terrain.traversability import classify
 from walking_console.planner.types import TICK, Command, Mode
-from walking_console.sim.scenario import scenario_from
+from walking_console.sim.scenario_files import scenario_from
 from walking_console.sim.simulation import Simulation
 from walking_console.sim.world import World, prepare
 

@@ -14,7 +14,7 @@ import numpy as np
 from walking_console.planner.robot.model import Machine, machine_from
 from walking_console.planner.stability import MARGIN_SLACK
 from walking_console.sim.runs.runner import run_scenario
-from walking_console.sim.scenario import load_scenario
+from walking_console.sim.scenario_files import load_scenario
 
 DT = 0.02
 # m; footholds are in reach at N_{k+1}; a foot that touches early stands this much before the body

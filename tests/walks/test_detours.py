@@ -10,8 +10,10 @@ import pytest
 from walking_console.planner.navigation.local_planner import RouteState
 from walking_console.planner.types import Command, Mode
 from walking_console.sim.requests import Edit
-from walking_console.sim.runs.runner import replay, run_scenario
-from walking_console.sim.scenario import ScenarioError, load_scenario
+from walking_console.sim.runs.replay import replay
+from walking_console.sim.runs.runner import run_scenario
+from walking_console.sim.scenario import ScenarioError
+from walking_console.sim.scenario_files import load_scenario
 from walking_console.sim.simulation import Simulation
 from walking_console.sim.world import prepare
 

@@ -12,7 +12,8 @@ from walking_console.planner.motion.strides import critical_angle, stroke_length
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.types import TICK
 from walking_console.sim.runs.runner import run_scenario, succeeded
-from walking_console.sim.scenario import ScenarioError, load_scenario
+from walking_console.sim.scenario import ScenarioError
+from walking_console.sim.scenario_files import load_scenario
 from walking_console.web.figures import FIGURES, draw_figure
 from walking_console.web.figures.run_data import FigureError, Recipe, read_walk, walk_recipe
 

@@ -9,7 +9,7 @@ import pytest
 
 from tests.sweeps.hands import Watched, circle_walk, console_on, hand_walk
 from walking_console.planner.types import TICK, Command
-from walking_console.sim.scenario import load_scenario
+from walking_console.sim.scenario_files import load_scenario
 from walking_console.sim.simulation import Simulation
 from walking_console.sim.world import prepare
 

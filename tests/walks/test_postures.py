@@ -14,8 +14,10 @@ from walking_console.planner.crab.gait import is_standard, off_standard
 from walking_console.planner.types import POSTURES, Command, Mode
 from walking_console.sim.perception import disc
 from walking_console.sim.requests import Edit, Halt, Push, TakePosture
-from walking_console.sim.runs.runner import replay, succeeded
-from walking_console.sim.scenario import ScenarioError, load_scenario, scenario_from
+from walking_console.sim.runs.replay import replay
+from walking_console.sim.runs.runner import succeeded
+from walking_console.sim.scenario import ScenarioError
+from walking_console.sim.scenario_files import load_scenario, scenario_from
 from walking_console.sim.simulation import Simulation
 from walking_console.sim.world import prepare
 

@@ -5,7 +5,7 @@ ground.
 import pytest
 
 from walking_console.sim.runs.runner import succeeded
-from walking_console.sim.scenario import load_scenario, scenario_names
+from walking_console.sim.scenario_files import load_scenario, scenario_names
 
 from .telling import assert_always_true, walked
 

@@ -12,8 +12,10 @@ from walking_console.planner.motion.body_tilt import LEVEL
 from walking_console.planner.types import Command, Mode
 from walking_console.sim.requests import Edit, Follow, Push, TakePosture, input_from
 from walking_console.sim.runs.recorder import Recorder
-from walking_console.sim.runs.runner import replay, run_scenario
-from walking_console.sim.scenario import ScenarioError, load_scenario, scenario_from
+from walking_console.sim.runs.replay import replay
+from walking_console.sim.runs.runner import run_scenario
+from walking_console.sim.scenario import ScenarioError
+from walking_console.sim.scenario_files import load_scenario, scenario_from
 from walking_console.sim.simulation import Simulation
 from walking_console.sim.world import prepare
 

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from walking_console.planner.types import Command, Mode
-from walking_console.sim.scenario import load_scenario
+from walking_console.sim.scenario_files import load_scenario
 from walking_console.sim.simulation import Simulation
 from walking_console.sim.world import prepare
 

@@ -7,7 +7,7 @@ import random
 import pytest
 
 from walking_console.planner.types import Command
-from walking_console.sim.scenario import scenario_from
+from walking_console.sim.scenario_files import scenario_from
 from walking_console.sim.simulation import Simulation
 from walking_console.sim.world import prepare
 

@@ -7,7 +7,7 @@ import pytest
 from walking_console.planner.config import Planning
 from walking_console.planner.crab.planner import plan_step
 from walking_console.planner.types import Command
-from walking_console.sim.scenario import load_scenario
+from walking_console.sim.scenario_files import load_scenario
 from walking_console.sim.simulation import Simulation
 from walking_console.sim.world import prepare
 

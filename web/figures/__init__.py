@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from walking_console.sim.scenario import load_scenario
+from walking_console.sim.scenario_files import load_scenario
 
 from .catalogue import FIGURES, CatalogueEntry
 from .run_data import FigureError, Recipe, RecordedWalk, read_walk, walk_recipe

@@ -17,8 +17,9 @@ from walking_console.planner.robot.model import Machine, load_machine
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.types import Gait, Stance
 from walking_console.sim.runs.reader import open_run
-from walking_console.sim.runs.runner import RunError, run_scenario
-from walking_console.sim.scenario import load_scenario, scenario_from
+from walking_console.sim.runs.run_files import RunError
+from walking_console.sim.runs.runner import run_scenario
+from walking_console.sim.scenario_files import load_scenario, scenario_from
 from walking_console.sim.world import prepare
 
 Array = NDArray[Any]

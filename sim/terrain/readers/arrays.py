@@ -15,7 +15,9 @@ from typing import IO, Any
 import numpy as np
 from numpy.lib import format as npy
 
-from ..generators import CELL_MIN, Array, GroundError
+from walking_console.planner.types import Array
+
+from ..generators import CELL_MIN, GroundError
 from .raster import CELLS_MAX, Raster
 
 HEADER_MAX = 4096  # bytes of an .npy header

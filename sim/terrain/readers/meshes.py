@@ -15,7 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from ..generators import Array, GroundError
+from walking_console.planner.types import Array
+
+from ..generators import GroundError
 from .raster import Raster, check_size
 
 FILE_BYTES_MAX = 128_000_000

@@ -14,7 +14,9 @@ import numpy as np
 import png
 from PIL import Image
 
-from ..generators import Array, GroundError
+from walking_console.planner.types import Array
+
+from ..generators import GroundError
 from .raster import Raster, check_size
 
 GREY_MODES = {"1": 1.0, "L": 255.0, "I;16": 65535.0, "I": 65535.0}  # Pillow mode: level of white

@@ -14,7 +14,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ..generators import Array, GroundError
+from walking_console.planner.types import Array
+
+from ..generators import GroundError
 from .raster import FILE_BYTES_MAX, Raster, check_size
 
 HEADER_LINES_MAX = 20

@@ -15,7 +15,9 @@ import numpy as np
 import tifffile
 from PIL import Image
 
-from ..generators import Array, GroundError
+from walking_console.planner.types import Array
+
+from ..generators import GroundError
 from .pictures import _one_level
 from .raster import Raster, check_size
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from walking_console.planner.types import Command, GaitPreview
-from walking_console.sim.scenario import scenario_from
+from walking_console.sim.scenario_files import scenario_from
 from walking_console.sim.simulation import Simulation
 from walking_console.sim.world import prepare
 

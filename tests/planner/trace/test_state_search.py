@@ -7,13 +7,13 @@ import pytest
 
 from tests.planner.trace.exhaustive import farthest_reachable
 from tests.planner.trace.rollout import field_of, gait_of
+from walking_console.planner.geometry.path_kinds import STEP, SinePath, sampled
 from walking_console.planner.geometry.paths import SampledPath
 from walking_console.planner.protocols import run_to_completion
 from walking_console.planner.robot.model import Machine, load_machine
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.trace.footholds import AIR
 from walking_console.planner.trace.lane import Lane
-from walking_console.planner.trace.paths import STEP, trace_from
 from walking_console.planner.trace.reachability import Reachability
 from walking_console.planner.trace.state_search import search
 from walking_console.planner.trace.state_sequence import SupportState, end_of, k_step
@@ -24,7 +24,7 @@ HEXAPOD = load_machine("hexapod")
 def field_on_trace(
     terrain: TerrainMap, samples: int, machine: Machine = HEXAPOD, step: float = STEP
 ) -> tuple[Reachability, SupportState]:
-    course = trace_from({"kind": "sine"}, machine.yaw_length, step=step)
+    course = sampled(SinePath(), machine.yaw_length, (0.0, 0.0, 0.0), step)
     part = slice(0, samples + 1)
     lane = Lane(
         course.x[None, part],
@@ -71,7 +71,7 @@ def test_where_an_exhaustive_search_finds_a_way_so_does_the_planner_and_nowhere_
     samples, step = 15, 0.05
     terrain = field_of(0.01, seed, HEXAPOD, (-1.0, 1.8, -1.0, 1.4))
     reachable, start = field_on_trace(terrain, samples, step=step)
-    course = trace_from({"kind": "sine"}, HEXAPOD.yaw_length, step=step)
+    course = sampled(SinePath(), HEXAPOD.yaw_length, (0.0, 0.0, 0.0), step)
     short = SampledPath(
         step,
         course.x[: samples + 1].copy(),
@@ -101,7 +101,7 @@ def test_the_answer_does_not_depend_on_how_the_search_is_sliced() -> None:
 
 def reached_beside(terrain: TerrainMap, aside: tuple[float, ...]) -> int:
     """The sample of 320 the search reaches with rows so far beside the trace."""
-    course = trace_from({"kind": "sine"}, HEXAPOD.yaw_length)
+    course = sampled(SinePath(), HEXAPOD.yaw_length, (0.0, 0.0, 0.0))
     x, y, yaw = (array[:321] for array in (course.x, course.y, course.yaw))
     tx, ty = np.gradient(x), np.gradient(y)
     size = np.hypot(tx, ty)

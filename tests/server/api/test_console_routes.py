@@ -9,7 +9,7 @@ from fastapi.testclient import TestClient
 from tests.server.problem_json import problem_of
 from walking_console.server.realtime_loop import RealtimeLoop
 from walking_console.sim.requests import Push
-from walking_console.sim.scenario import scenario_from
+from walking_console.sim.scenario_files import scenario_from
 from walking_console.sim.world import prepare
 
 COMMAND = {"crab_angle_rad": 0.0, "speed_m_s": 0.08, "turn_rate_rad_s": 0.0, "ttl_s": 0.5}

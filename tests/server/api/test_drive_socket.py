@@ -15,7 +15,7 @@ from starlette.websockets import WebSocketDisconnect
 from walking_console.planner.robot.model import load_machine
 from walking_console.server.api.drive_socket import DRIVE_FRAME_MAX, DRIVERS_MAX
 from walking_console.server.realtime_loop import RealtimeLoop
-from walking_console.sim.scenario import load_scenario
+from walking_console.sim.scenario_files import load_scenario
 from walking_console.sim.world import prepare
 from walking_console.web.scene.palette import style_of
 

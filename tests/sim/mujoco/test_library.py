@@ -6,7 +6,8 @@ import sys
 WITHOUT = """
 import sys
 sys.modules["mujoco"] = None  # what an import finds where it is not installed
-from walking_console.sim.scenario import ScenarioError, load_scenario
+from walking_console.sim.scenario import ScenarioError
+from walking_console.sim.scenario_files import load_scenario
 from walking_console.sim.world import prepare
 prepare(load_scenario("flat"))
 try:

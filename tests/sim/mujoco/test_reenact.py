@@ -10,7 +10,7 @@ from walking_console.planner.statics import RAMP
 from walking_console.sim.mujoco.reenact import Reenactment, shares_over
 from walking_console.sim.mujoco.settings import Physics, ServoSettings
 from walking_console.sim.runs.runner import run_scenario
-from walking_console.sim.scenario import load_scenario
+from walking_console.sim.scenario_files import load_scenario
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,7 @@ import itertools
 
 import pytest
 
-from walking_console.sim.scenario import load_scenario
+from walking_console.sim.scenario_files import load_scenario
 from walking_console.web.figures import sheets, speed_sheet
 from walking_console.web.figures.catalogue import FIGURES, LIFT, LINES, MARKS, PACE
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from walking_console.sim.runs.runner import RunError
+from walking_console.sim.runs.run_files import RunError
 from walking_console.web.figures.run_data import (
     Recipe,
     RecordedWalk,

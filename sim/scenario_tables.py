@@ -1,0 +1,105 @@
+"""The small tables of a scenario, each key with its limits."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from walking_console.planner import registry
+from walking_console.planner.types import Command
+
+from .tables import Bearing, MapMetres, Registered, Table
+
+DURATION_MAX = 3600.0  # s
+
+RigidGaitName = Annotated[str, Registered(registry.rigid_gait_names)]
+
+
+class GaitChange(Table):
+    """Overrides of the machine's gait defaults."""
+
+    duty_factor: float | None = Field(default=None, ge=0.5, le=0.95)
+    lift_up: float | None = Field(default=None, gt=0.0, le=1.0)  # m, h_up
+    lift_down: float | None = Field(default=None, gt=0.0, le=2.0)  # m, h_dwn
+    height: float | None = Field(default=None, gt=0.0, le=5.0)  # m, H
+    smooth: bool = True  # eased swing phases; false: constant velocity between knots
+    # trace planner: this gait and no other
+    rigid: RigidGaitName | None = None
+
+
+class StartPlace(Table):
+    """Where the body stands at first."""
+
+    x: MapMetres = 0.0  # m
+    y: MapMetres = 0.0  # m
+    yaw_deg: Bearing = 0.0
+    feet: list[Annotated[list[MapMetres], Field(min_length=2, max_length=2)]] | None = Field(
+        default=None, min_length=4, max_length=8
+    )  # m, x and y in body axes in leg order; the standard posture when not given
+
+
+class Drive(Table):
+    """One entry of the timeline; it holds until the next."""
+
+    t: float = Field(default=0.0, ge=0.0, le=DURATION_MAX)  # s
+    crab_angle_deg: Bearing = 0.0
+    speed: float = Field(default=0.0, ge=0.0, le=10.0)  # m/s
+    turn_rate_deg_s: float = Field(default=0.0, ge=-360.0, le=360.0)
+    # taken from a standstill; standard: that of the last course
+    posture: Literal["sit", "stand", "standard"] | None = None
+
+    @model_validator(mode="after")
+    def _poses_at_rest(self) -> Drive:
+        if self.posture is not None and (self.speed or self.turn_rate_deg_s):
+            raise ValueError(
+                f'posture = "{self.posture}" needs speed = 0 and turn_rate_deg_s = 0: '
+                "the machine takes it from a standstill"
+            )
+        return self
+
+    def command(self) -> Command:
+        """The same in radians."""
+        return Command(
+            math.radians(self.crab_angle_deg), self.speed, math.radians(self.turn_rate_deg_s)
+        )
+
+
+class End(Table):
+    """Whichever limit is reached first ends the run."""
+
+    time: float | None = Field(default=None, gt=0.0, le=DURATION_MAX)  # s
+    distance: float | None = Field(default=None, gt=0.0, le=1000.0)  # m along the course
+
+
+class Expect(Table):
+    """Each key given becomes pass or fail in the result."""
+
+    distance_min: float | None = None  # m
+    margin_min: float | None = None  # m
+    forbidden_steps_max: int | None = Field(default=None, ge=0)
+    emergent_max: int | None = Field(default=None, ge=0)
+    emergent_min: int | None = Field(default=None, ge=0)
+    falls_max: int | None = Field(default=None, ge=0)
+    time_max: float | None = None  # s
+    mean_speed_min: float | None = None  # m/s
+    off_line_max: float | None = None  # m, from the commanded line to the CoG at the end
+    # steps at the end that each came out in the standard layout
+    standard_steps_min: int | None = Field(default=None, ge=0)
+    # commanded courses left, or ended, short of the standard layout
+    courses_unsettled_max: int | None = Field(default=None, ge=0)
+    # of the body's path, against the average-height rule on the same footholds
+    roughness_ratio_max: float | None = None
+
+
+class Noise(Table):
+    """Standard deviations of the sensors."""
+
+    position: float = Field(default=0.0, ge=0.0, le=0.1)  # m, position monitors of the feet
+    posture_deg: float = Field(default=0.0, ge=0.0, le=10.0)  # pitch and roll
+
+    @property
+    def posture(self) -> float:
+        """The same in radians."""
+        return math.radians(self.posture_deg)

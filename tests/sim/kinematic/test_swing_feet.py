@@ -1,0 +1,48 @@
+"""Feet in the air, and what stops them."""
+
+import math
+
+import pytest
+
+from tests.sim.kinematic.machines import TITAN, made, one_leg, run, shaped, standing
+from walking_console.sim.kinematic.swing_feet import STEP_UP
+
+
+def test_a_foot_stops_on_the_ground_of_its_cell():
+    plant = standing(ground=made("rough"), up={0: 0.05}, x=-0.1, y=-0.1)
+    run(plant, one_leg(0, (0.0, 0.0, -0.7)), 10)
+    assert plant.feet[0][2] == plant.q.ground.height_at(*plant.feet[0][:2])
+    assert plant.soles[0]
+
+
+def test_a_riser_stops_a_foot_on_its_way_and_its_whiskers_say_where():
+    plant = standing(
+        ground=shaped(lambda x, y: 0.2 if x > 0.55 else 0.0), up={0: 0.1}, x=-0.1, y=-0.1
+    )
+    run(plant, one_leg(0, (0.5, 0.0, 0.0)), 20)
+    assert 0.549 < plant.feet[0][0] <= 0.55
+    assert plant.whiskers[0] == 1  # ahead
+    assert plant.feet[0][2] == pytest.approx(0.1)
+    run(plant, one_leg(0, (0.0, 0.0, 0.8)), 8)
+    run(plant, one_leg(0, (0.5, 0.0, 0.0)), 4)
+    assert plant.feet[0][0] == pytest.approx(0.59, abs=0.002)  # over it
+    assert plant.whiskers[0] == 0
+
+
+def test_a_low_riser_is_ridden_over():
+    plant = standing(
+        ground=shaped(lambda x, y: 0.008 if x > 0.55 else 0.0), up={0: 0.002}, x=-0.1, y=-0.1
+    )
+    run(plant, one_leg(0, (0.5, 0.0, 0.0)), 15)
+    assert plant.feet[0][:] == pytest.approx([0.60, 0.475, 0.008])
+    assert STEP_UP > 0.008
+
+
+def test_a_foot_over_a_hole_finds_no_ground():
+    plant = standing(
+        ground=shaped(lambda x, y: math.nan if x > 0.2 and y > 0.2 else 0.0), x=-0.1, y=-0.1
+    )
+    assert plant.soles == [False, True, True, True]
+    run(plant, one_leg(0, (0.0, 0.0, -0.8)), 30)
+    assert not plant.soles[0]
+    assert plant.feet[0][2] == pytest.approx(TITAN.legs[0].z[0] - TITAN.overreach[2] + TITAN.height)
