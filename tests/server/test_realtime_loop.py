@@ -203,3 +203,18 @@ def test_a_late_tick_is_skipped_and_said_not_caught_up(flat: World) -> None:
     loop.stop()
     assert loop.lateness.skipped >= 4 and loop.lateness.worst >= 0.06
     assert loop.newest.tick < loop.ticks_run + 2
+
+
+def test_while_paused_a_command_waits_for_single_ticks_however_long(
+    loop: RealtimeLoop, watch: Watch
+) -> None:
+    loop.pause()
+    loop.order(AHEAD, 0.5)
+    loop.tick()
+    watch.wait(30.0)
+    loop.pace.advance(10)
+    loop.tick()
+    assert loop.newest.command == AHEAD
+    loop.resume()
+    loop.tick()
+    assert loop.newest.command.holds, "wall time counts again"

@@ -122,3 +122,8 @@ def test_no_foreign_host_opens_a_socket(client: TestClient, path: str) -> None:
     ):
         pass
     assert caught.value.status_code == 403
+
+
+def test_a_request_for_two_hosts_is_refused(client: TestClient) -> None:
+    headers = [("host", "127.0.0.1"), ("host", "evil.example")]
+    problem_of(client.get("/api/v1/health", headers=headers), 403)

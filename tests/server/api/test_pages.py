@@ -1,9 +1,14 @@
 """What a browser loads comes from here, by name, and nothing else does."""
 
+from pathlib import Path
+
 import pytest
 from fastapi.testclient import TestClient
 
 from tests.server.problem_json import problem_of
+from walking_console.server.api.app import create_app
+from walking_console.server.api.state import AppSettings
+from walking_console.server.realtime_loop import RealtimeLoop
 from walking_console.server.viser_bridge import ViserBridge
 
 
@@ -67,3 +72,17 @@ def test_the_page_is_served_under_a_policy_without_eval(
 def test_the_page_itself_moves_on_without_them(viewing: TestClient) -> None:
     response = viewing.get("/view?websocket=ws://evil.example")
     assert (response.status_code, response.headers["location"]) == (307, "/view/")
+
+
+def test_a_link_out_of_the_page_s_folder_is_not_followed(
+    loop: RealtimeLoop, tmp_path: Path
+) -> None:
+    web = tmp_path / "web"
+    (web / "page").mkdir(parents=True)
+    (tmp_path / "secret.txt").write_text("secret")
+    (web / "page" / "own.txt").write_text("own")
+    (web / "page" / "link.txt").symlink_to(tmp_path / "secret.txt")
+    app = create_app(loop, AppSettings(data=tmp_path, web=web))
+    with TestClient(app, base_url=HERE) as client:
+        assert client.get("/own.txt").text == "own"
+        problem_of(client.get("/link.txt"), 404)
