@@ -50,7 +50,7 @@ def plan_step(
 
 
 def longest_step(nominal: NominalGait, posture: Posture, shift: Shift) -> SwingStep:
-    """The foot straight on along the course, to the far side of its reach when the body has gone g."""
+    """The foot straight on along the course, to the far side of its reach after the body's g."""
     ux, uy, _ = nominal.path
     box = nominal.boxes[shift.leg]
     fx, fy = posture.feet[shift.leg]

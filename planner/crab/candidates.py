@@ -46,7 +46,7 @@ INSET = 0.005  # m inside a triangle's edges: where a body shift ends
 
 
 class Node(NamedTuple):
-    """Where a rollout has come to. The stance, with its heights, is carried on uneven ground only."""
+    """Where a rollout has come to; the stance, with its heights, is carried on uneven ground."""
 
     posture: Posture
     stance: Stance | None

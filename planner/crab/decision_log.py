@@ -21,7 +21,10 @@ class StepRefusal(Enum):
     MISSES = "the course misses the triangle of the other feet"
     LEFT = "the centre of gravity has already left the triangle of the other feet"
     NOT_YET = "the centre of gravity is not yet in the triangle of the other feet"
-    TOO_LATE = "the centre of gravity cannot enter the triangle of the other feet before a leg leaves its reach"
+    TOO_LATE = (
+        "the centre of gravity cannot enter the triangle of the other feet before a leg leaves "
+        "its reach"
+    )
     UNCARRIED = "the centre of gravity would leave the feet on the way into the triangle"
     NO_FOOTHOLD = "no foothold in the search domain"
     NONE_IN_REACH = "no foothold in reach"

@@ -153,7 +153,7 @@ class FootholdChecks:
         return something_tall(self.terrain, self.machine, x, y, min(self.heights))
 
     def _new_leg_meets(self, shift: Shift, landing: Landing, height: float) -> bool:
-        """True when at the end of the step the leg that swings, on its new foothold, meets ground."""
+        """True when the leg that swings meets ground on its new foothold, as the step ends."""
         foot = landing.ax, landing.ay, self.ground_at(landing)
         return self._meets(self.body_at(shift.g, height), self._alone(shift.leg, foot))
 

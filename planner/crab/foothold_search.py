@@ -29,7 +29,7 @@ METHOD_III = StepRefusal.METHOD_III
 
 
 class FootholdMap(NamedTuple):
-    """What landing asks of the map, as plain values: one byte a cell, 1 where a foot must not land."""
+    """What landing asks of the map: one byte a cell, 1 where a foot must not land."""
 
     forbidden: bytes
     rows: int
@@ -331,9 +331,9 @@ def cells_from(
             yield Landing(px, py, ax, ay)
 
 
-# The rows of cells across a course, counted along the map's axis nearest to it: whether that axis is
-# x; first and last row; first and last cell of a row; the search start in cells, along the axis and
-# across it; cells of the course across for each along; its direction along the axis, 1 or -1.
+# The rows of cells across a course, counted along the map's axis nearest to it: whether that axis
+# is x; first and last row; first and last cell of a row; the search start in cells, along the axis
+# and across it; cells of the course across for each along; its direction along the axis, 1 or -1.
 CellRows = tuple[bool, tuple[int, int], tuple[int, int], float, float, float, int]
 
 

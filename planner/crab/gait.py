@@ -55,8 +55,14 @@ BODY_LEGS = ((0, 1, 2, 3), (1, 2, 3, 0), (2, 3, 0, 1), (3, 0, 1, 2))  # by n, ga
 
 STROKE_MAX = 1.0  # m of s on an arc; on a circle about itself a foot would never leave its reach
 SHARES = (  # of the four-leg time, in quarters, before each swing
-    (1, 1, 1, 1), (2, 0, 2, 0), (0, 2, 0, 2), (4, 0, 0, 0), (0, 4, 0, 0), (0, 0, 4, 0), (0, 0, 0, 4),
-)  # fmt: skip
+    (1, 1, 1, 1),
+    (2, 0, 2, 0),
+    (0, 2, 0, 2),
+    (4, 0, 0, 0),
+    (0, 4, 0, 0),
+    (0, 0, 4, 0),
+    (0, 0, 0, 4),
+)
 LOOKS = (0.0, 0.5, 1.0)  # of a swing, at which the margin is looked at
 GRAIN = math.radians(5.0)  # arcs this alike share order and phases
 
@@ -491,5 +497,5 @@ def off_standard(machine: Machine, gait: Gait, crab_angle: float, stance: Stance
 
 
 def is_standard(off: float) -> bool:
-    """True when a layout so far off still counts as the standard one (the tolerance of H fig. 9)."""
+    """True when a layout so far off still counts as standard (the tolerance of H fig. 9)."""
     return off <= AGREEMENT

@@ -1,5 +1,4 @@
-"""Level B2 (H §5): which leg swings next, how far the body goes, and with ``foothold_search`` where
-the foot comes down.
+"""Level B2 (H §5): which leg swings next, how far the body goes, and where the foot comes down.
 
 Pure plane geometry in the gait frame, origin at the CoG at N_k (H's E_k): no heights, no times, no
 arrays. ``decide`` is the paper's policy on a line; its parts (``leg_order``, ``shift_of``,

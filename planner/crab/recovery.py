@@ -129,7 +129,7 @@ def stance_at(context: SearchContext, stance: Stance, node: Node, step: SwingSte
 
 
 def blocked(context: SearchContext, ways: Branches, log: DecisionLog | None) -> Blocked:
-    """No way on: what failed for each leg where the farthest way ends, and the cells refused there."""
+    """No way on: what failed for each leg where the farthest way ends, and cells refused there."""
     end = ways[0].node if ways else context.start
     tried: DecisionLog = {}
     decide(context.nominal, end.posture, context.cells, context.accepts(end), tried)

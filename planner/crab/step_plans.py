@@ -45,16 +45,10 @@ def swing_plan(
     limits = checks.height_limits(step, step.landing)
     height = checks.height_after(step, step.landing, limits)
     needs = checks.torso_needs(step.g, height)
-    if needs > height:
-        highest = limits[1]
-        if needs > highest:
-            return Blocked(
-                f"the torso would touch the ground: it needs {needs:.2f} m, the legs reach {highest:.2f} m",
-                None,
-                log,
-            )
-        height = needs
-    return build(checks, step, height, speed, log)
+    if needs > limits[1]:
+        why = f"it needs {needs:.2f} m, the legs reach {limits[1]:.2f} m"
+        return Blocked(f"the torso would touch the ground: {why}", None, log)
+    return build(checks, step, max(height, needs), speed, log)
 
 
 def build(
@@ -65,19 +59,13 @@ def build(
     log: DecisionLog | None = None,
 ) -> StepPlan:
     """The plan of a swing, the body ending at ``height`` (H §7)."""
-    nominal, posture, stance = checks.nominal, checks.posture, checks.stance
+    nominal = checks.nominal
+    posture = checks.posture
+    stance = checks.stance
     leg = nominal.body_leg[step.leg]
-    way = BodyWay(stance.body, (posture.c, posture.s), nominal.path, step.g, height)
     landing: Point = (step.landing.ax, step.landing.ay, checks.ground_at(step.landing))
-    corners = lift(
-        stance.feet[leg],
-        landing,
-        checks.crest(step.leg, step.landing),
-        checks.ceiling(height),
-        height,
-        checks.machine,
-        checks.gait,
-    )
+    way = BodyWay(stance.body, (posture.c, posture.s), nominal.path, step.g, height)
+    corners = _corners_of(checks, step, landing, height)
     clock = _clock(checks, step, way, corners, speed)
     rows, phases = knots(clock, profile_of(checks.gait), way, step.g0, corners)
     if log is not None:
@@ -85,13 +73,12 @@ def build(
     feet = list(stance.feet)
     feet[leg] = landing
     course = stance.course + step.g
-    end = Stance(way.end, tuple(feet), leg, nominal.quarter_turns, (), course)
     return plan_of_one_foot(
         stance,
         leg,
         rows,
         phases,
-        end,
+        Stance(way.end, tuple(feet), leg, nominal.quarter_turns, (), course),
         crab_angle=nominal.course,
         support_shift=step.g0,
         shift=step.g,
@@ -103,6 +90,15 @@ def build(
         landing=landing,
         decision=log,
     )
+
+
+def _corners_of(
+    checks: FootholdChecks, step: SwingStep, landing: Point, height: float
+) -> SwingCorners:
+    foot = checks.stance.feet[checks.nominal.body_leg[step.leg]]
+    crest = checks.crest(step.leg, step.landing)
+    ceiling = checks.ceiling(height)
+    return lift(foot, landing, crest, ceiling, height, checks.machine, checks.gait)
 
 
 def body_shift_plan(

@@ -1,5 +1,4 @@
-"""Level B2 while the torso turns (H §5 with circles for lines): who swings, how far, where the foot
-comes down.
+"""Level B2 while the torso turns (H §5 with circles for lines): who swings, how far, and where to.
 
 The path is an arc, down to a turn on the spot. What the paper settles by rule on a straight course
 is searched for here: sequences of swings and of body shifts on four legs are grown a few steps

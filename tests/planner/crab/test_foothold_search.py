@@ -26,7 +26,6 @@ from walking_console.planner.crab.gait import (
 from walking_console.planner.crab.leg_selection import exits_of, shift_of
 from walking_console.planner.crab.steps import Shift
 from walking_console.planner.geometry.paths import line_exit
-from walking_console.planner.geometry.polygons import nearest_of
 
 REACH = TITAN.reach
 # folded already: canonical legs are the body's
@@ -219,19 +218,6 @@ def test_the_nearest_point_of_the_domain_is_in_it_and_no_cell_is_nearer():
         away = math.hypot(nearest[0] - x, nearest[1] - y)
         for _, landing in landings(nominal, posture, domain, exits, foothold_map(grid)):
             assert math.hypot(landing.x - x, landing.y - y) >= away - 1e-6
-
-
-def test_of_a_domain_that_is_a_mere_line_the_nearest_point_is_on_it():
-    line = [(0.1, 0.0), (0.3, 0.0), (0.3, 0.0), (0.1, 0.0)]
-    assert nearest_of(line, 0.0, 0.0) == (0.1, 0.0), (
-        "in its prolongation, so on the left of no edge"
-    )
-    assert nearest_of(line, 0.2, 0.5) == pytest.approx((0.2, 0.0))
-    square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
-    assert nearest_of(square, 0.5, 0.0) == (0.5, 0.0) and nearest_of(square, 0.25, 0.5) == (
-        0.25,
-        0.5,
-    )
 
 
 def test_a_domain_may_be_empty():

@@ -16,13 +16,12 @@ from walking_console.planner.crab.gait import (
     posture_of,
     quarter_turned,
     quarter_turns,
-    standard_margin,
     standard_stance,
     touchdown_phases,
 )
 from walking_console.planner.crab.leg_selection import return_length
 from walking_console.planner.geometry.paths import ArcPath
-from walking_console.planner.motion.strides import LIFT_ROOM, critical_angle, stroke_length
+from walking_console.planner.motion.strides import LIFT_ROOM, critical_angle
 from walking_console.planner.stability import stable_interval, support_polygon
 
 FLAT = lambda x, y: 0.0  # noqa: E731
@@ -55,22 +54,6 @@ def test_the_check_values_of_the_specification(degrees, stride, margin, g0, hind
 def test_legs_swing_in_the_order_of_figure_6(degrees, sequence):
     legs = "".join(str(plan.swing[0] + 1) for plan in walk(command(degrees), 8))
     assert sequence in legs
-
-
-def test_the_stroke_is_the_shorter_way_through_the_reach():
-    assert stroke_length(0.5, 0.35, 0.0) == 0.5
-    assert stroke_length(0.5, 0.35, math.pi / 2) == pytest.approx(0.35)
-    assert stroke_length(0.5, 0.35, math.atan2(0.35, 0.5)) == pytest.approx(math.hypot(0.5, 0.35))
-    assert stroke_length(0.5, 0.35, -0.3) == stroke_length(0.5, 0.35, 0.3)
-
-
-def test_the_critical_angle_points_at_the_middle_of_the_reach():
-    x, y = TITAN.legs[0].centre
-    assert critical_angle(TITAN) == pytest.approx(math.atan2(y, x))
-
-
-def test_the_standard_margin_is_zero_at_three_quarters():
-    assert standard_margin(0.5, 0.75) == 0.0
 
 
 @pytest.mark.parametrize(

@@ -17,8 +17,6 @@ from walking_console.planner.crab.slope_adaptation import (
     fitted,
     fitted_at_start,
     followed,
-    plane_of,
-    slope_under,
 )
 from walking_console.planner.initial_stance import Placement
 from walking_console.planner.motion.body_tilt import LEAN_STEP, LEVEL
@@ -147,36 +145,6 @@ def test_the_start_posture_of_the_printed_modes_stays_as_it_was() -> None:
     assert printed == start(terrain)
     assert max(f[0] for f in fits.feet) < max(f[0] for f in printed.feet)
     assert fitted_at_start(TITAN, GAIT, 0.0, pose, lambda x, y: 0.0) is TITAN
-
-
-# the slope
-
-
-def test_the_slope_is_that_of_the_plane_whatever_stands_or_gapes_in_it() -> None:
-    terrain = inclined(15, 30)
-    heights = terrain.heights.copy()
-    heights[110:114, 125:129] += 1.5  # a pole ahead
-    heights[128:132, 108:112] = math.nan  # a hole beside
-    stance, command = start(terrain), Command(0.0, 0.08)
-    for ground in (terrain, replace(terrain, heights=heights)):
-        assert slope_under(stance, command, ground, TITAN) == pytest.approx(
-            slope(15, 30), abs=0.012
-        )
-
-
-def test_ground_it_does_not_know_has_no_slope_of_its_own() -> None:
-    terrain = inclined(15)
-    wrong = replace(
-        terrain, heights=np.where(np.indices(terrain.heights.shape)[1] > 120, 3.0, terrain.heights)
-    )
-    known = np.indices(terrain.heights.shape)[1] <= 120
-    assert slope_under(start(terrain), Command(0.0, 0.08), replace(wrong, known=known), TITAN)[
-        0
-    ] == pytest.approx(0.268, abs=0.02)
-
-
-def test_points_in_a_line_make_no_slope() -> None:
-    assert plane_of([(0.0, 0.0, 0.0), (1.0, 1.0, 1.0), (2.0, 2.0, 2.0)], 3, 0.2) == (0.0, 0.0)
 
 
 def test_a_slope_that_hardly_changes_keeps_the_strides() -> None:

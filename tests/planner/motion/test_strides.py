@@ -1,0 +1,56 @@
+"""Strokes, the critical angle and the rectangles in which footholds are planned."""
+
+import math
+
+import pytest
+
+from walking_console.planner.motion.strides import (
+    LIFT_ROOM,
+    STRETCHED_LIFT_ROOM,
+    critical_angle,
+    kept,
+    mechanical_boxes,
+    planning_boxes,
+    stroke_length,
+)
+from walking_console.planner.robot.model import load_machine
+
+TITAN = load_machine("titan3")
+
+
+def test_the_stroke_is_the_shorter_way_through_the_reach():
+    assert stroke_length(0.5, 0.35, 0.0) == 0.5
+    assert stroke_length(0.5, 0.35, math.pi / 2) == pytest.approx(0.35)
+    assert stroke_length(0.5, 0.35, math.atan2(0.35, 0.5)) == pytest.approx(math.hypot(0.5, 0.35))
+    assert stroke_length(0.5, 0.35, -0.3) == stroke_length(0.5, 0.35, 0.3)
+
+
+def test_the_critical_angle_points_at_the_middle_of_the_reach():
+    x, y = TITAN.legs[0].centre
+    assert critical_angle(TITAN) == pytest.approx(math.atan2(y, x))
+
+
+def test_room_to_lift_is_kept_of_the_control_reach_only_where_the_overreach_has_none():
+    assert kept(0.05, stretched=False) == 0.0
+    assert kept(0.005, stretched=False) == pytest.approx(LIFT_ROOM - 0.005)
+    assert kept(0.05, stretched=True) == pytest.approx(STRETCHED_LIFT_ROOM - 0.05)
+
+
+@pytest.mark.parametrize("turns", range(4))
+def test_a_quarter_turn_swaps_the_reach_along_and_across_and_keeps_the_quadrants(turns):
+    x1, x2, y1, y2 = TITAN.boxes[0]
+    planned = planning_boxes(TITAN, turns, stretched=False)
+    assert planned[0] == ((x1, x2, y1, y2) if turns % 2 == 0 else (y1, y2, x1, x2))
+    for (ax, bx, ay, by), (sx, sy) in zip(
+        planned, ((1, 1), (-1, 1), (-1, -1), (1, -1)), strict=True
+    ):
+        assert ax < bx and ay < by
+        assert (math.copysign(1, ax), math.copysign(1, ay)) == (sx, sy)
+
+
+def test_stretched_legs_are_planned_for_just_inside_their_mechanical_reach():
+    far = mechanical_boxes(TITAN, 1)
+    for near, box in zip(planning_boxes(TITAN, 1, stretched=True), far, strict=True):
+        assert [abs(a - b) for a, b in zip(near, box, strict=True)] == pytest.approx(
+            [STRETCHED_LIFT_ROOM] * 4
+        )
