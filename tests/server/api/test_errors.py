@@ -25,11 +25,12 @@ def test_what_is_no_json_is_refused(client: TestClient, text: str) -> None:
 NOWHERE = [
     "/nothing",
     "/api/v1/nothing",
-    "/server/app.py",
-    "/scene.py",
-    "/../server/app.py",
-    "/%2e%2e/app.py",
-    "/vendor/..%2fscene.py",
+    "/server/cli.py",
+    "/scene/scene.py",
+    "/../server/cli.py",
+    "/%2e%2e/scene/scene.py",
+    "/vendor/..%2fscene%2fscene.py",
+    "/vendor/..%2fpage%2findex.html",
 ]
 
 
