@@ -16,13 +16,14 @@ LINK = mkdir -p $(SOURCE) && for part in planner sim server web; do ln -sfn ../.
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help run test test-pythons test-lowest bench clean
+.PHONY: help run test test-pythons test-lowest lint-page bench clean
 
 help:
 	@echo 'make run     start the console and open its page   (ARGS="--port 9000 --scenario river")'
 	@echo 'make test    check style and types, then run all tests   (PYTEST_ARGS="-k layers")'
 	@echo 'make test-pythons  walk the recorded walks and run all tests on other Pythons   (PYTHONS="python3.12 python3.13")'
 	@echo 'make test-lowest  try the oldest versions of everything that pyproject.toml allows'
+	@echo 'make lint-page  check the scripts of the page (with npm)'
 	@echo 'make bench   measure planner, tick and headless speed on this machine'
 	@echo 'make clean   remove the environment and what builds and checks left behind'
 
@@ -36,6 +37,7 @@ test: $(VENV)/.installed-for-tests
 	$(PY) -m ruff check .
 	$(PY) -m ruff format --check .
 	$(PY) -m mypy
+	@$(MAKE) --no-print-directory lint-page
 	$(PY) -m pytest $(PYTEST_ARGS)
 
 # Every other Python gets an environment of its own, .venv-3.12 and so on; the recorded walks are the first thing it has to repeat.
@@ -50,6 +52,18 @@ test-pythons:
 		.venv-$$version/bin/python -m pytest -p no:cacheprovider --ignore=tests/walks/test_corpus.py $(PYTEST_ARGS) || exit 1; \
 	done
 
+# The scripts of the page: eslint, and their JSDoc types by tsc. Node 20 or newer with npm does it; it is needed for nothing else.
+lint-page:
+	@if ! command -v npm > /dev/null || ! command -v node > /dev/null; then \
+		echo "npm is not here: the scripts of the page are not checked"; \
+	elif ! node -e 'process.exit(parseInt(process.versions.node) < 20 ? 1 : 0)'; then \
+		echo "node $$(node -v) is too old: the scripts of the page are not checked"; \
+	elif ! [ node_modules/.package-lock.json -nt package-lock.json ] && ! npm ci --silent; then \
+		echo "npm could not install its tools: the scripts of the page are not checked"; \
+	else \
+		npm run --silent lint && echo "The scripts of the page pass eslint and tsc."; \
+	fi
+
 # The oldest versions are older than our warnings are strict: they are shown, not taken for errors.
 LOWEST := .venv-lowest
 LOWEST_TESTS := tests/sim tests/server tests/web tests/test_examples.py
@@ -61,7 +75,7 @@ test-lowest:
 	$(LOWEST)/bin/python -m pytest -W default -p no:cacheprovider -m 'not slow and not browser' $(PYTEST_ARGS) $(LOWEST_TESTS)
 
 clean:
-	rm -rf $(VENV) .venv-3.* $(LOWEST) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) .venv-3.* $(LOWEST) node_modules build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find planner sim server web walking_console tests -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # The two stamps are older than pyproject.toml or constraints.txt exactly when the environment has to be brought up to date.

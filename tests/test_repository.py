@@ -36,7 +36,7 @@ def repository_files() -> list[Path]:
         files = [ROOT / name for name in listed.stdout.split("\0") if name]
     else:
         left_behind = re.compile(
-            r"(^|/)(\.venv[^/]*|\.[a-z]+_cache|\.hypothesis|build|__pycache__|walking-console-data|[^/]+\.egg-info)(/|$)"
+            r"(^|/)(\.venv[^/]*|node_modules|\.[a-z]+_cache|\.hypothesis|build|__pycache__|walking-console-data|[^/]+\.egg-info)(/|$)"
         )
         files = [
             path

@@ -17,11 +17,17 @@ import pytest
 from PIL import Image, ImageChops
 from playwright.sync_api import Browser, Page, sync_playwright
 
+from walking_console.planner.robot.model import load_machine
+from walking_console.web.scene.palette import style_of
+
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 SOFTWARE_DRAWING = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 FLAGS = (*SOFTWARE_DRAWING, "--no-sandbox", "--disable-background-networking", "--no-first-run")
 PATIENCE = 60.0  # s; software drawing on a busy machine is slow
 POLL = 60  # ms
+
+ERRORS: list[str] = []  # of the page, as they came
+VISER_EVAL = "Evaluating a string as JavaScript"  # viser tries to, and is refused
 
 BROWSER = os.environ.get("WALKING_CONSOLE_BROWSER") or next(
     filter(None, map(shutil.which, BROWSERS)), None
@@ -78,6 +84,7 @@ def browser() -> Iterator[Browser]:
 def opened(address: str, browser: Browser) -> Iterator[Page]:
     """The console in one page; opened once, since the first drawing takes software a while."""
     page = browser.new_page(viewport={"width": 900, "height": 620})
+    page.on("pageerror", lambda error: ERRORS.append(str(error)))
     page.goto(address)
     page.wait_for_selector("body.live")
     until(
@@ -216,7 +223,7 @@ def test_a_hexapod_walks_and_turns_on_the_spot_by_keys_and_shows_its_footholds(
     until(
         page,
         lambda: (
-            page.locator("#segments").is_visible() and page.locator("#turn-slider").is_visible()
+            page.locator("#footholds").is_visible() and page.locator("#turn-slider").is_visible()
         ),
     )
     page.keyboard.down("w")
@@ -230,7 +237,7 @@ def test_a_hexapod_walks_and_turns_on_the_spot_by_keys_and_shows_its_footholds(
     assert now(address)["body"][:2] == pytest.approx(place[:2], abs=0.05)
     until(page, lambda: now(address)["mode"] == "stand")
     load(address, {"name": "flat"})
-    until(page, lambda: not page.locator("#segments").is_visible())
+    until(page, lambda: not page.locator("#footholds").is_visible())
 
 
 def test_buttons_and_keys_sit_the_machine_down_stand_it_up_and_set_its_feet_in_order(
@@ -310,3 +317,20 @@ def test_closing_the_page_stops_the_machine(address: str, page: Page, browser: B
     until(other, lambda: now(address)["walked_m_s"] > 0.0)
     other.close()
     until(page, lambda: now(address)["speed_m_s"] == 0.0)
+
+
+def test_legs_are_named_and_coloured_as_the_server_says(address: str, page: Page) -> None:
+    machine = load_machine("titan3")
+    style = style_of(machine)
+    until(page, lambda: page.inner_text("#distance") == "0.00")
+    good = "getComputedStyle(document.documentElement).getPropertyValue('--good')"
+    assert page.evaluate(good) == style["palette"]["good"]
+    page.keyboard.down("w")
+    until(page, lambda: page.inner_text("#swing") != "–")
+    named = {f"{number} {name}" for number, name in enumerate(style["leg_names"], 1)}
+    assert page.inner_text("#swing") in named | {"–"}
+    page.keyboard.up("w")
+
+
+def test_the_script_of_the_page_has_run_without_an_error(page: Page) -> None:
+    assert [error for error in ERRORS if VISER_EVAL not in error] == []

@@ -1,118 +1,182 @@
 // Why this leg: the decision of the running step, or of the last one refused, as a small panel.
 
-import { legNames } from "./readouts.js";
+/** @import {Candidate, DecisionFrame, LegTrial} from "./frames" */
 
+import { element, make } from "./dom.js";
+import { legTitle } from "./machine_style.js";
+import { millimetres } from "./readouts.js";
+import { keep, saved } from "./settings.js";
+
+/** @type {Record<string, string>} */
 const SEARCHES = {
-  paper: "the paper's own step keeps the standard walk", back: "looked ahead: back to the standard walk",
-  near: "looked ahead: steps near the paper's", wide: "looked ahead: any foothold in reach",
+  paper: "the paper's own step keeps the standard walk",
+  back: "looked ahead: back to the standard walk",
+  near: "looked ahead: steps near the paper's",
+  wide: "looked ahead: any foothold in reach",
   turn: "looked ahead: sequences of swings and sways along the arc",
 };
-const OPEN = "walking-console.why";
+const TRIED = [
+  ["tried", "legs in the order they are tried"],
+  ["pairs", "pairs of other feet that stand as in the standard walk"],
+  ["return", "mm the foot can be brought forward"],
+  ["", ""],
+];
+const WEIGHED = [
+  ["ahead", "first leg to swing"],
+  ["score", "way gained and promised, m"],
+  ["", ""],
+  ["steps", "steps it was followed"],
+];
+const SHOWN_SHIFT = 0.0005; // m of shift on all feet that is worth a word
 
-const mm = (value) => (value === null || value === undefined ? "–" : `${Math.round(value * 1000)}`);
-
-function make(tag, text = "", name = "") {
-  const made = document.createElement(tag);
-  made.textContent = text;
-  if (name) made.className = name;
-  return made;
-}
-
-function headings(columns) {
-  const row = make("tr");
-  for (const [text, title] of columns) {
-    const cell = make("th", text);
-    cell.title = title;
-    row.append(cell);
-  }
-  return row;
-}
-
-export class Why {
-  constructor(panel) {
-    this.panel = panel;
-    this.body = panel.querySelector("div");
-    this.frame = null;
-    this.legs = 4;
-    panel.open = localStorage.getItem(OPEN) === "yes";
-    panel.addEventListener("toggle", () => { localStorage.setItem(OPEN, panel.open ? "yes" : "no"); this.#draw(); });
+export class DecisionPanel {
+  constructor() {
+    this.panel = element("decision", HTMLDetailsElement);
+    this.body = element("decision-body", HTMLDivElement);
+    /** @type {DecisionFrame | null} */
+    this.decision = null;
+    this.panel.open = saved.decision ?? false;
+    this.panel.addEventListener("toggle", () => {
+      keep({ decision: this.panel.open });
+      this.#draw();
+    });
   }
 
-  tell(frame, legs) {
-    this.frame = frame;
-    this.legs = legs;
+  /** @param {DecisionFrame | null} decision null: nothing is decided in this world yet */
+  show(decision) {
+    this.decision = decision;
     this.#draw();
-  }
-
-  forget() {
-    this.frame = null;
-    this.#draw();
-  }
-
-  #name(leg) {
-    if (leg === null) return "all four stand";
-    const name = legNames(this.legs)[leg - 1];
-    return name === String(leg) ? name : `${leg} ${name}`;
   }
 
   #draw() {
     if (!this.panel.open) return;
-    const told = this.frame;
-    if (!told) return this.body.replaceChildren(make("p", "Nothing decided yet.", "muted"));
-    this.body.replaceChildren(...this.#answer(told), ...this.#tried(told), ...this.#ways(told), ...told.notes.map((note) => make("p", note, "muted")));
+    const parts = this.decision ? partsOf(this.decision) : [muted("Nothing decided yet.")];
+    this.body.replaceChildren(...parts);
   }
+}
 
-  #answer(told) {
-    const parts = [];
-    if (told.shift_m) {
-      const head = make("p");
-      head.append(make("strong", told.leg === null ? "The body shifts" : `Leg ${this.#name(told.leg)}`), ` · goes ${mm(told.shift_m[1])} mm`);
-      if (told.shift_m[0] > 0.0005 && told.leg !== null) head.append(`, ${mm(told.shift_m[0])} of it on all feet`);
-      parts.push(head);
-    } else parts.push(make("p", "No step", "bad"));
-    if (told.escape) parts.push(make("p", `a way out: ${told.escape}`, "muted"));
-    else if (told.search) parts.push(make("p", SEARCHES[told.search] ?? told.search, "muted"));
-    return parts;
-  }
+/** @param {DecisionFrame} decision */
+const partsOf = (decision) => [
+  answer(decision),
+  ...searched(decision),
+  ...tried(decision),
+  ...weighed(decision),
+  ...decision.notes.map(muted),
+];
 
-  // legs in the order the paper's rule tries them: pairs that stand as in the standard walk, then the longest return
-  #tried(told) {
-    if (!told.legs.length) return [];
-    const table = make("table");
-    table.append(headings([["tried", "legs in the order they are tried"], ["pairs", "pairs of other feet that stand as in the standard walk"], ["return", "mm the foot can be brought forward"], ["", ""]]));
-    for (const trial of told.legs) {
-      const row = make("tr");
-      const refused = Object.values(trial.refused).reduce((sum, count) => sum + count, 0);
-      const taken = trial.leg === told.leg && !trial.reason;
-      row.append(make("td", this.#name(trial.leg)), make("td", "●".repeat(trial.agreeing_pairs ?? 0) || "–", "pairs"), make("td", mm(trial.return_m)), make("td", taken ? "✓" : trial.reason ? "✗" : "·", taken ? "good" : "bad"));
-      table.append(row);
-      const why = [trial.reason, refused ? `${refused} cell${refused > 1 ? "s" : ""} refused (${Object.keys(trial.refused).join(", ")})` : ""].filter(Boolean).join("; ");
-      if (!why) continue;
-      const line = make("tr");
-      const cell = make("td", why, "muted");
-      cell.colSpan = 4;
-      line.append(cell);
-      table.append(line);
-    }
-    return [table];
-  }
+/** @param {string} text */
+const muted = (text) => make("p", text, "muted");
 
-  // what a lookahead weighed: score in metres of way, over the steps it was followed
-  #ways(told) {
-    if (!told.candidates.length || told.search === "paper") return [];
-    const best = Math.max(...told.candidates.map((way) => way.score_m ?? 0), 1e-6);
-    const list = make("table", "", "ways");
-    list.append(headings([["ahead", "first leg to swing"], ["score", "way gained and promised, m"], ["", ""], ["steps", "steps it was followed"]]));
-    told.candidates.forEach((way) => {
-      const row = make("tr");
-      const bar = make("td", "", "bar");
-      const fill = make("i");
-      fill.style.width = `${Math.max(0, (100 * (way.score_m ?? 0)) / best)}%`;
-      bar.append(fill);
-      row.append(make("td", way.leg === null ? "shift" : this.#name(way.leg)), make("td", (way.score_m ?? 0).toFixed(2)), bar, make("td", String(way.steps)));
-      row.title = `margin ${mm(way.margin_m)} mm, body goes ${mm(way.g_m)} mm`;
-      list.append(row);
-    });
-    return [list];
+/** @param {DecisionFrame} decision */
+function answer({ leg, shift_m }) {
+  if (!shift_m) return make("p", "No step", "bad");
+  const [on_all_feet, whole] = shift_m;
+  const head = make("p");
+  const who = make("strong", leg === null ? "The body shifts" : `Leg ${legTitle(leg)}`);
+  head.append(who, ` · goes ${millimetres(whole)} mm`);
+  if (leg !== null && (on_all_feet ?? 0) > SHOWN_SHIFT) {
+    head.append(`, ${millimetres(on_all_feet)} of it on all feet`);
   }
+  return head;
+}
+
+/** @param {DecisionFrame} decision */
+function searched({ escape, search }) {
+  if (escape) return [muted(`a way out: ${escape}`)];
+  return search ? [muted(SEARCHES[search] ?? search)] : [];
+}
+
+/**
+ * Legs in the order the paper's rule tries them: pairs that stand as in the standard walk, then the
+ * longest return.
+ * @param {DecisionFrame} decision
+ */
+function tried({ legs, leg }) {
+  if (!legs.length) return [];
+  const table = make("table");
+  table.append(headings(TRIED), ...legs.flatMap((trial) => trialRows(trial, trial.leg === leg)));
+  return [table];
+}
+
+/**
+ * @param {LegTrial} trial
+ * @param {boolean} swings
+ */
+function trialRows(trial, swings) {
+  const row = make("tr");
+  const taken = swings && !trial.reason;
+  row.append(
+    make("td", legTitle(trial.leg)),
+    make("td", "●".repeat(trial.agreeing_pairs ?? 0) || "–", "pairs"),
+    make("td", millimetres(trial.return_m)),
+    make("td", verdict(taken, trial.reason), taken ? "good" : "bad"),
+  );
+  const why = whyNot(trial);
+  return why ? [row, wideRow(why)] : [row];
+}
+
+/**
+ * @param {boolean} taken
+ * @param {string} reason
+ */
+function verdict(taken, reason) {
+  if (taken) return "✓";
+  return reason ? "✗" : "·";
+}
+
+/** @param {LegTrial} trial */
+function whyNot({ reason, refused }) {
+  const count = Object.values(refused).reduce((sum, cells) => sum + cells, 0);
+  const cells = `${count} cell${count > 1 ? "s" : ""} refused (${Object.keys(refused).join(", ")})`;
+  return [reason, count ? cells : ""].filter(Boolean).join("; ");
+}
+
+/** @param {string} text */
+function wideRow(text) {
+  const row = document.createElement("tr");
+  const cell = row.insertCell();
+  cell.textContent = text;
+  cell.className = "muted";
+  cell.colSpan = TRIED.length;
+  return row;
+}
+
+/**
+ * What a lookahead weighed: score in metres of way, over the steps it was followed.
+ * @param {DecisionFrame} decision
+ */
+function weighed({ candidates, search }) {
+  if (!candidates.length || search === "paper") return [];
+  const best = Math.max(...candidates.map((way) => way.score_m ?? 0), 1e-6);
+  const table = make("table", "", "ways");
+  table.append(headings(WEIGHED), ...candidates.map((way) => candidateRow(way, best)));
+  return [table];
+}
+
+/**
+ * @param {Candidate} way
+ * @param {number} best m
+ */
+function candidateRow(way, best) {
+  const score = way.score_m ?? 0;
+  const fill = make("i");
+  fill.style.width = `${Math.max(0, (100 * score) / best)}%`;
+  const bar = make("td", "", "bar");
+  bar.append(fill);
+  const row = make("tr");
+  row.title = `margin ${millimetres(way.margin_m)} mm, body goes ${millimetres(way.g_m)} mm`;
+  const who = make("td", way.leg === null ? "shift" : legTitle(way.leg));
+  row.append(who, make("td", score.toFixed(2)), bar, make("td", String(way.steps)));
+  return row;
+}
+
+/** @param {string[][]} columns text and explanation */
+function headings(columns) {
+  const row = make("tr");
+  for (const [text, title] of columns) {
+    const cell = make(text ? "th" : "td", text);
+    cell.title = title;
+    row.append(cell);
+  }
+  return row;
 }

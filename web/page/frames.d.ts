@@ -1,0 +1,182 @@
+// The frames of /drive as the page reads them, and what it says to its worker. Types only.
+
+export interface Palette {
+  legs: string[];
+  good: string;
+  warn: string;
+  bad: string;
+  path: string;
+}
+
+export interface Style {
+  palette: Palette;
+  margin_good_m: number;
+  leg_names: string[];
+}
+
+export interface Command {
+  crab_angle_rad: number;
+  speed_m_s: number;
+  turn_rate_rad_s: number;
+}
+
+export type Posture = "sit" | "stand" | "standard";
+export type Attitude = "level" | "ground";
+
+export interface HelloFrame {
+  type: "hello";
+  lease_id: string;
+  dead_man_s: number;
+  style: Style;
+}
+
+export interface StyleFrame extends Style {
+  type: "style";
+}
+
+export interface LeaseFrame {
+  type: "lease";
+  held: boolean;
+  holder: string | null;
+  stopped: boolean;
+}
+
+export interface RefusedFrame {
+  type: "refused";
+  seq: number | null;
+  code: string;
+  reason: string;
+}
+
+export interface SnapshotFrame extends Command {
+  type: "snapshot";
+  tick: number;
+  time_s: number;
+  robot: string;
+  scenario: string;
+  planner: string;
+  planner_mode: string;
+  body: number[];
+  feet: number[][];
+  contact: boolean[];
+  support: boolean[];
+  mode: string;
+  reason: string;
+  walked_m_s: number;
+  speed_max_m_s: number;
+  margin_m: number | null;
+  polygon_margin_m: number | null;
+  energy_margin_m: number | null;
+  step: number;
+  distance_m: number;
+  swing: number[];
+  paused: boolean;
+  rate: number;
+  late_s: number;
+  attitude: Attitude;
+  posture: Posture;
+  course_m: number;
+  may_lean: boolean;
+  may_turn: boolean;
+  follows_trace: boolean;
+  stopped: boolean;
+  fault: string;
+}
+
+/** s1 and s2 of a foothold's existence segment, and where on it the foot is placed and lifted. */
+export type Segment = [number, number, number, number];
+
+export interface AheadFrame {
+  type: "ahead";
+  segments_m: Segment[][];
+  states_m: [number, number][];
+  reached_m: number | null;
+  goal_m: number | null;
+  complete: boolean;
+  reason: string;
+}
+
+/** Sent when nothing is foreseen any more. */
+export interface NothingAheadFrame {
+  type: "ahead";
+  segments_m?: undefined;
+}
+
+export interface LegTrial {
+  leg: number;
+  agreeing_pairs: number | null;
+  return_m: number | null;
+  reason: string;
+  refused: Record<string, number>;
+}
+
+export interface Candidate {
+  leg: number | null;
+  score_m: number | null;
+  steps: number;
+  margin_m: number | null;
+  g_m: number | null;
+}
+
+export interface DecisionFrame {
+  type: "decision";
+  step: number;
+  leg: number | null;
+  shift_m: [number | null, number | null] | null;
+  legs: LegTrial[];
+  search: string;
+  escape: string;
+  candidates: Candidate[];
+  notes: string[];
+}
+
+export type ServerFrame =
+  | HelloFrame
+  | StyleFrame
+  | LeaseFrame
+  | RefusedFrame
+  | SnapshotFrame
+  | AheadFrame
+  | NothingAheadFrame
+  | DecisionFrame;
+
+export type LinkState = "connecting" | "open" | "closed";
+
+/** Page to worker. */
+export type PageMessage =
+  | { type: "command"; command: Command }
+  | { type: "alive"; command: Command }
+  | { type: "posture"; posture: Posture }
+  | { type: "release" }
+  | { type: "stop" }
+  | { type: "take" }
+  | { type: "rearm" };
+
+/** Worker to page. */
+export type WorkerMessage =
+  | { type: "link"; state: LinkState }
+  | { type: "frame"; frame: ServerFrame };
+
+/** What the stick asks for: x forward and y left with a length of at most 1, turn from -1 to 1. */
+export interface StickValue {
+  x: number;
+  y: number;
+  turn: number;
+}
+
+/** What the browser keeps for its user. */
+export interface Saved {
+  speed?: string;
+  strips?: boolean;
+  tab?: string;
+  brush?: string;
+  decision?: boolean;
+  layers?: Record<string, boolean>;
+}
+
+/** Sentences beside a tone: what is wrong. */
+export interface Trouble {
+  tone: "warn" | "bad";
+  title: string;
+  detail: string;
+}

@@ -1,0 +1,52 @@
+// Who drives, whether everything is stopped, and the button that stops it.
+
+/** @import {LeaseFrame} from "./frames" */
+
+import { button, div, write } from "./dom.js";
+
+/** @type {Omit<LeaseFrame, "type">} */
+export const NO_LEASE = { held: false, holder: null, stopped: false };
+
+const PROGRAM = "rest"; // who drives while a REST command lives
+
+/**
+ * @param {Omit<LeaseFrame, "type">} lease
+ * @param {string} ours the name of this page's socket
+ */
+export function showLease(lease, ours) {
+  const { held, holder, stopped } = lease;
+  write("lease", words(lease));
+  div("lease").dataset.state = tone(lease);
+  button("take").hidden = held || !holder || holder === PROGRAM || holder === ours;
+  const stop = button("stop");
+  stop.classList.toggle("stopped", stopped);
+  stop.setAttribute("aria-pressed", String(stopped));
+  write("stop-text", stopped ? "RELEASE" : "STOP");
+  write("stop-key", stopped ? "R" : "Space");
+  document.body.classList.toggle("is-stopped", stopped);
+}
+
+/** @param {Omit<LeaseFrame, "type">} lease */
+function words({ held, holder, stopped }) {
+  if (stopped) return "stopped";
+  if (held) return "you drive";
+  if (!holder) return "free to drive";
+  return holder === PROGRAM ? "a program drives" : `${holder} drives`;
+}
+
+/** @param {Omit<LeaseFrame, "type">} lease */
+function tone({ held, holder }) {
+  if (held) return "ours";
+  return holder ? "theirs" : "free";
+}
+
+/**
+ * Why a frame had no effect, for people; "" where that needs no words.
+ * @param {string} code
+ * @param {string} reason
+ */
+export function refusalText(code, reason) {
+  if (code === "out_of_order") return "";
+  if (code === "centre_first") return "Let the stick go once, then drive.";
+  return `${reason[0].toUpperCase()}${reason.slice(1)}.`;
+}

@@ -1,0 +1,58 @@
+// What the page says of itself: the link's pill, the overlay without one, the banner, the toast.
+
+/** @import {LinkState, SnapshotFrame} from "./frames" */
+
+import { div, make } from "./dom.js";
+import { trouble } from "./readouts.js";
+
+const TOAST = 3500; // ms
+const LOST_AFTER = 1200; // ms without a link before the overlay
+const LINK_WORDS = { open: "connected", connecting: "connecting", closed: "no connection" };
+
+let toastEnd = 0;
+let lostTimer = 0;
+
+/**
+ * A sentence for a few seconds.
+ * @param {string} text
+ */
+export function say(text) {
+  const toast = div("toast");
+  toast.textContent = text;
+  toast.hidden = false;
+  clearTimeout(toastEnd);
+  toastEnd = setTimeout(() => {
+    toast.hidden = true;
+  }, TOAST);
+}
+
+/** @param {LinkState} state */
+export function showLink(state) {
+  div("link").dataset.state = state;
+  div("link-text").textContent = LINK_WORDS[state];
+  clearTimeout(lostTimer);
+  const lost = div("lost");
+  if (state === "open") lost.hidden = true;
+  else {
+    lostTimer = setTimeout(() => {
+      lost.hidden = false;
+    }, LOST_AFTER);
+  }
+}
+
+/**
+ * Why nothing moves, over the scene.
+ * @param {SnapshotFrame} s
+ */
+export function showBanner(s) {
+  const wrong = trouble(s);
+  const title = wrong?.title ?? (s.paused ? "Paused" : "");
+  const detail = wrong?.detail ?? "";
+  const banner = div("banner");
+  const text = `${title}|${detail}`;
+  if (banner.dataset.text === text) return;
+  banner.dataset.text = text;
+  banner.dataset.tone = wrong?.tone ?? "quiet";
+  banner.hidden = !title;
+  banner.replaceChildren(make("strong", title), make("span", detail));
+}

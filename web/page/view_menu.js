@@ -1,0 +1,72 @@
+// The menu of what is drawn, and the panels of the page.
+
+/** @import {TimeSeries} from "./time_series.js" */
+/** @import {ViserFrame} from "./viser_frame.js" */
+
+import { button, div, input } from "./dom.js";
+import { keep, saved } from "./settings.js";
+
+const WIDE = 700; // px from which on the strips are shown at first
+
+export class ViewMenu {
+  /**
+   * @param {ViserFrame} scene
+   * @param {TimeSeries} series
+   */
+  constructor(scene, series) {
+    this.scene = scene;
+    this.series = series;
+    this.menu = div("view-menu");
+    this.opener = button("view-button");
+    this.opener.addEventListener("click", () => this.toggle());
+    document.addEventListener("pointerdown", (event) => this.#closeOutside(event));
+    button("home").addEventListener("click", () => scene.home());
+    for (const box of document.querySelectorAll("[data-layer]")) {
+      if (box instanceof HTMLInputElement) this.#wireLayer(box);
+    }
+    this.#wireStrips();
+  }
+
+  get isOpen() {
+    return !this.menu.hidden;
+  }
+
+  toggle(open = !this.isOpen) {
+    this.menu.hidden = !open;
+    this.opener.setAttribute("aria-expanded", String(open));
+  }
+
+  /** @param {PointerEvent} event */
+  #closeOutside(event) {
+    const inside = event.target instanceof Element && event.target.closest("#view-menu, #view-button");
+    if (this.isOpen && !inside) this.toggle(false);
+  }
+
+  /** @param {HTMLInputElement} box */
+  #wireLayer(box) {
+    const label = box.dataset.layer ?? "";
+    const kept = saved.layers?.[label];
+    if (kept !== undefined) {
+      box.checked = kept;
+      this.scene.set(label, kept);
+    }
+    box.addEventListener("change", () => {
+      this.scene.set(label, box.checked);
+      keep({ layers: { ...saved.layers, [label]: box.checked } });
+    });
+  }
+
+  #wireStrips() {
+    const strips = input("show-strips");
+    strips.checked = saved.strips ?? window.innerWidth > WIDE;
+    const show = () => {
+      document.body.classList.toggle("no-strips", !strips.checked);
+      this.series.visible = strips.checked;
+    };
+    strips.addEventListener("change", () => {
+      show();
+      keep({ strips: strips.checked });
+    });
+    show();
+  }
+}

@@ -1,0 +1,146 @@
+// Which world is walked in, and how its time goes: scenario, robot, planner mode, pause, rate.
+
+/** @import {SnapshotFrame} from "./frames" */
+
+import { ask, order } from "./api.js";
+import { button, buttons, element, mark } from "./dom.js";
+import { say } from "./status.js";
+
+const ADVANCE_TICKS = 25; // half a second
+
+export class WorldControls {
+  /** @param {() => void} letGo called before another world is loaded */
+  constructor(letGo) {
+    this.letGo = letGo;
+    this.scenario = element("scenario", HTMLSelectElement);
+    this.robot = element("robot", HTMLSelectElement);
+    this.mode = element("planner-mode", HTMLSelectElement);
+    this.rates = buttons("#rate button");
+    this.loading = false;
+    /** @type {SnapshotFrame | null} */
+    this.newest = null;
+    this.#listen();
+  }
+
+  #listen() {
+    this.scenario.addEventListener("change", () => this.#load({ name: this.scenario.value }));
+    this.robot.addEventListener("change", () => this.#loadAgain({}));
+    this.mode.addEventListener("change", () => this.#loadAgain({ mode: this.mode.value }));
+    button("pause").addEventListener("click", () => this.pauseOrGo());
+    button("advance").addEventListener("click", () => this.advance());
+    button("reset").addEventListener("click", () => this.reset());
+    for (const one of this.rates) {
+      one.addEventListener("click", () => this.setRate(Number(one.dataset.rate)));
+    }
+  }
+
+  /**
+   * @param {string} action
+   * @param {object} [body]
+   */
+  #post(action, body) {
+    return order(say, "POST", `console/${action}`, body);
+  }
+
+  pauseOrGo() {
+    return this.#post(this.newest?.paused ? "resume" : "pause");
+  }
+
+  advance() {
+    if (this.newest?.paused) this.#post("advance", { ticks: ADVANCE_TICKS });
+  }
+
+  reset() {
+    return this.#post("reset");
+  }
+
+  /** @param {number} rate */
+  setRate(rate) {
+    return this.#post("rate", { rate });
+  }
+
+  /** @param {object} changed */
+  #loadAgain(changed) {
+    return this.#load({ name: this.scenario.value, robot: this.robot.value, ...changed });
+  }
+
+  /** @param {object} world */
+  async #load(world) {
+    this.loading = true;
+    this.letGo();
+    document.body.classList.add("loading");
+    await order(say, "PUT", "console/scenario", world);
+    document.body.classList.remove("loading");
+    this.loading = false;
+    for (const list of [this.scenario, this.robot, this.mode]) list.blur();
+  }
+
+  /** Ask for all there is to choose from. */
+  async fillLists() {
+    try {
+      const [scenarios, robots] = await Promise.all([ask("GET", "scenarios"), ask("GET", "robots")]);
+      fill(this.scenario, scenarios, (one) => one.name);
+      fill(this.robot, robots, (one) => `${one.name} · ${one.legs} legs`);
+      if (this.newest) this.#choose(this.newest);
+    } catch (error) {
+      say(error instanceof Error ? error.message : String(error));
+    }
+  }
+
+  /** @param {SnapshotFrame} s */
+  show(s) {
+    this.newest = s;
+    this.#choose(s);
+    button("pause").setAttribute("aria-pressed", String(s.paused));
+    button("advance").disabled = !s.paused;
+    mark(this.rates, "rate", String(s.rate), "aria-checked");
+    this.mode.hidden = s.follows_trace;
+  }
+
+  /** @param {SnapshotFrame} s */
+  #choose(s) {
+    if (this.loading) return;
+    choose(this.scenario, s.scenario);
+    choose(this.robot, s.robot);
+    choose(this.mode, s.planner_mode);
+  }
+}
+
+/**
+ * @typedef {object} Choice
+ * @property {string} name
+ * @property {string} title
+ * @property {number} [legs]
+ */
+
+/**
+ * @param {HTMLSelectElement} list
+ * @param {Choice[]} choices
+ * @param {(choice: Choice) => string} textOf
+ */
+function fill(list, choices, textOf) {
+  list.replaceChildren(...choices.map((one) => option(one.name, textOf(one), one.title)));
+}
+
+/**
+ * @param {string} value
+ * @param {string} text
+ * @param {string} title
+ */
+function option(value, text, title) {
+  const made = new Option(text, value);
+  made.title = title;
+  return made;
+}
+
+/**
+ * Show a value in a list, unless somebody is choosing in it.
+ * @param {HTMLSelectElement} list
+ * @param {string} value
+ */
+function choose(list, value) {
+  if (list.value === value || document.activeElement === list) return;
+  const known = [...list.options].some((one) => one.value === value);
+  if (list.options.length && !known) list.add(option(value, value, ""));
+  list.value = value;
+}
