@@ -232,7 +232,7 @@ def contact_forces(
     normals: Sequence[Point],
     friction: float,
 ) -> tuple[Point, ...] | None:
-    """Forces of the ground on feet that are not in one plane, N, that hold the weight at ``centre``.
+    """Forces of the ground on feet that are not in one plane, N, that hold a weight at ``centre``.
 
     Each stays inside its friction cone about the ground's unit normal there (eight forces stand for
     a cone). Of all that balance, the heaviest normal load is least, and then the friction used.

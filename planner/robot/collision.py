@@ -43,7 +43,7 @@ def leg_in_the_way(
     body: tuple[float, float, float, float],
     feet: Sequence[Point | None],
 ) -> int | None:
-    """The first leg whose line meets ground, with the ``body`` at x, y, z, yaw; None when none does.
+    """The first leg whose line meets ground, the ``body`` at x, y, z, yaw; None when none does.
 
     ``feet`` are absolute, one for each leg; a leg whose foot is None is not looked at.
     """

@@ -48,7 +48,7 @@ class MachineError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Leg:
-    """One leg: its name and its control reach, a box in body axes (gait-planning limits, H fig. 1)."""
+    """One leg: its name and its control reach, a box in body axes (planning limits, H fig. 1)."""
 
     name: str
     x: tuple[float, float]
@@ -168,7 +168,8 @@ class Machine:
         """
         if len(self.legs) != CRAB_LEGS:
             raise MachineError(
-                f"the crab planner walks four-legged machines; {self.name!r} has {len(self.legs)} legs"
+                "the crab planner walks four-legged machines; "
+                f"{self.name!r} has {len(self.legs)} legs"
             )
         first = self.legs[0]
         x_span, y_span, z_span = (
@@ -182,7 +183,8 @@ class Machine:
                 or leg.z != first.z
             ):
                 raise MachineError(
-                    f"the crab planner needs one reach box mirrored to four quadrants; leg {leg.name!r} differs"
+                    "the crab planner needs one reach box mirrored to four quadrants; "
+                    f"leg {leg.name!r} differs"
                 )
         return reach
 
@@ -240,7 +242,8 @@ def load_machine(name_or_path: str, relative_to: Path | None = None) -> Machine:
     path = (relative_to or Path()) / name_or_path
     if not name_or_path.endswith(".toml") or not is_file(path):
         raise MachineError(
-            f"unknown robot {name_or_path!r:.200}; there are: {', '.join(machine_names())}, or a path to a robot TOML file"
+            f"unknown robot {name_or_path!r:.200}; there are: {', '.join(machine_names())}, "
+            "or a path to a robot TOML file"
         )
     try:
         if path.stat().st_size > FILE_BYTES_MAX:
@@ -420,5 +423,6 @@ def _check_stance(legs: tuple[Leg, ...], values: Mapping[str, float], faults: li
     gaps = [(b - a) % (2 * math.pi) for a, b in zip(angles, angles[1:] + angles[:1], strict=True)]
     if max(gaps) >= math.pi:
         faults.append(
-            "no statically stable stance: the centre of gravity is outside the polygon of the leg centres"
+            "no statically stable stance: the centre of gravity is outside the polygon of the leg "
+            "centres"
         )

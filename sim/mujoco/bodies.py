@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from walking_console.planner.geometry.transforms import Matrix, Point
-from walking_console.planner.robot.kinematics import Joints
+from walking_console.planner.geometry.transforms import Matrix, Point, direction, turned_by
+from walking_console.planner.robot.kinematics import Joints, forward
 from walking_console.planner.robot.model import Machine
 from walking_console.planner.types import TICK
 
@@ -34,14 +34,15 @@ class Bodies:
         self.built: Built = build(machine, ground, physics)
         self.data: Any = mujoco.MjData(self.built.model)
         self.steps = round(TICK / physics.step)
+        self.push_ticks = 0
         if abs(self.steps * physics.step - TICK) > 1e-12:
             raise ValueError(f"a tick of {TICK:g} s must be whole steps, got {physics.step!r}")
 
     def place(self, body: Sequence[float], joints: Sequence[Joints]) -> None:
         """Put the machine at x, y, z, yaw with these joints, at rest."""
         x, y, z, yaw = body
-        turn = (math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2))
-        self.data.qpos[:FREE_PLACES] = (x, y, z, *turn)
+        c, s = direction(yaw / 2)
+        self.data.qpos[:FREE_PLACES] = (x, y, z, c, 0.0, 0.0, s)
         self.data.qpos[FREE_PLACES:] = [value for leg in joints for value in leg]
         self.data.qvel[:] = 0.0
         mujoco.mj_forward(self.built.model, self.data)
@@ -80,15 +81,17 @@ class Bodies:
         mujoco.mj_setState(self.built.model, self.data, np.asarray(state, np.float64), kind)
         mujoco.mj_forward(self.built.model, self.data)
 
-    def push(self, fx: float, fy: float) -> None:
-        """Hold a horizontal force on the torso, N, until told otherwise."""
-        self.data.xfrc_applied[self.built.torso, :2] = (fx, fy)
+    def push(self, fx: float, fy: float, ticks: int) -> None:
+        """A horizontal force on the torso, N, for so many ticks."""
+        self.data.xfrc_applied[self.built.torso, :2] = (fx, fy) if ticks else (0.0, 0.0)
+        self.push_ticks = ticks
 
     def run(self, start: _Floats, end: _Floats, pressing: _Floats) -> list[float]:
         """One tick: the servos' targets go evenly from ``start`` to ``end`` while the drives press
         with ``pressing`` on top, all (3n,). Answers each foot's mean load, N.
         """
-        built, data, step, model = self.built, self.data, mujoco.mj_step, self.built.model
+        built, data, step = self.built, self.data, mujoco.mj_step
+        model = built.model
         ahead = (built.damping * (end - start) / TICK + pressing) / built.stiffness
         share = (end - start) / self.steps
         target = start + ahead
@@ -98,6 +101,10 @@ class Bodies:
             data.ctrl[:] = target
             step(model, data)
             total += data.sensordata
+        if self.push_ticks:
+            self.push_ticks -= 1
+            if not self.push_ticks:
+                data.xfrc_applied[built.torso, :2] = 0.0
         loads: list[float] = (total / self.steps).tolist()
         for leg, upright in self._upright_shares().items():
             loads[leg] *= upright
@@ -193,3 +200,34 @@ class Bodies:
                     x, y = normals[k, :2].tolist()
                     found.append((self.built.feet[shape], sign * x, sign * y))
         return found
+
+
+class Truth:
+    """Where body, joints and feet truly are, read once a tick. ``body`` is x, y, z, roll, pitch,
+    yaw; ``feet`` are absolute, ``feet_b`` in body axes, m.
+    """
+
+    def __init__(self, bodies: Bodies, yaw: float) -> None:
+        self.body = [0.0, 0.0, 0.0, 0.0, 0.0, yaw]
+        self.read(bodies)
+
+    def read(self, bodies: Bodies) -> None:
+        """Take it out of MuJoCo's arrays; the yaw goes on from the last one."""
+        x, y, z = bodies.place_of_torso()
+        self.attitude = bodies.attitude()
+        self.body = [x, y, z, *roll_pitch_yaw(self.attitude, self.body[5])]
+        self.joints = bodies.joints()
+        chains = bodies.machine.chains
+        self.feet_b = [forward(*leg) for leg in zip(chains, self.joints, strict=True)]
+        self.feet: list[list[float]] = []
+        for foot in self.feet_b:
+            ax, ay, az = turned_by(self.attitude, foot)
+            self.feet.append([x + ax, y + ay, z + az])
+
+
+def roll_pitch_yaw(attitude: Matrix, near: float) -> Point:
+    """Angles of an attitude, rad; the yaw is the one nearest to ``near``."""
+    roll = math.atan2(attitude[2][1], attitude[2][2])
+    pitch = math.asin(max(-1.0, min(1.0, -attitude[2][0])))
+    yaw = math.atan2(attitude[1][0], attitude[0][0])
+    return roll, pitch, yaw + 2.0 * math.pi * round((near - yaw) / (2.0 * math.pi))

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from walking_console.planner.geometry.transforms import Point
+from walking_console.planner.geometry.transforms import Point, direction
 from walking_console.planner.robot.chains import LegChain
 from walking_console.planner.robot.kinematics import Joints, inverse, jacobian
 from walking_console.planner.robot.model import Machine
@@ -23,6 +23,8 @@ from .terrain import GROUND, add_ground
 _Floats = NDArray[np.float64]
 
 INERTIA_MIN = 1e-6  # kg m² of a link: thinner, see the solver refuse it
+# friction against normal stiffness of a contact. Less: see feet that hold creep down a slope
+GRIP = 10.0
 MASS_MIN = 1e-4  # kg of a link
 MACHINE = 1  # contact bit of torso and feet: they meet the ground, not each other
 
@@ -110,6 +112,7 @@ def _set_options(spec: Any, physics: Physics) -> None:
     option.gravity = [0.0, 0.0, -GRAVITY]
     option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    option.impratio = GRIP
     spec.compiler.degree = False
     spec.compiler.autolimits = True
 
@@ -148,8 +151,8 @@ def _add_leg(
     touching: dict[str, Any],
 ) -> None:
     """A leg's chain of bodies; joints whose link has neither mass nor length share one body."""
-    turn = [math.cos(chain.facing / 2), 0.0, 0.0, math.sin(chain.facing / 2)]
-    link = torso.add_body(name=f"leg {leg}", pos=list(chain.hip), quat=turn)
+    c, s = direction(chain.facing / 2)
+    link = torso.add_body(name=f"leg {leg}", pos=list(chain.hip), quat=[c, 0.0, 0.0, s])
     count = len(chain.joints)
     for k, joint in enumerate(chain.joints):
         kind = mujoco.mjtJoint.mjJNT_SLIDE if joint.slides else mujoco.mjtJoint.mjJNT_HINGE

@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from typing import Any
 
 from walking_console.planner.geometry.transforms import (
-    Matrix,
     Point,
     left_fold_sum,
     placed,
@@ -22,8 +21,8 @@ from walking_console.planner.geometry.transforms import (
 
 from ..kinematic.rest_pose import plane_fit
 
-# m a foot may seem to be off its anchor before it is said to slip. Smaller: see servo give taken for
-# a slip; larger: see the body led astray by one foot
+# m a foot may seem to be off its anchor before it is said to slip. Smaller: see give taken for a
+# slip; larger: see the body led astray by one foot
 SLIP = 0.008
 
 
@@ -43,9 +42,7 @@ class LegOdometry:
         reached = [turned_by(level, foot) for foot in feet_b]
         held = [leg for leg, anchor in enumerate(self.anchors) if anchor and carrying[leg]]
         if len(held) >= 2:
-            self._fit(held, reached)
-            self._notice_slip(held, reached)
-            self._fit([leg for leg in held if not self.slipping[leg]] or held, reached)
+            self._fit_all_but_slipping(held, reached)
         for leg, carries in enumerate(carrying):
             if not carries:
                 self.anchors[leg] = None
@@ -66,13 +63,22 @@ class LegOdometry:
             anchor[2] - reached[leg][2] for leg, anchor in zip(legs, anchors, strict=True)
         ) / len(legs)
 
-    def _notice_slip(self, legs: Sequence[int], reached: Sequence[Point]) -> None:
-        for leg in legs:
-            anchor = self.anchors[leg]
-            x, y, _ = self._placed(reached[leg])
-            self.slipping[leg] = (
-                anchor is not None and math.hypot(x - anchor[0], y - anchor[1]) > SLIP
-            )
+    def _fit_all_but_slipping(self, held: list[int], reached: Sequence[Point]) -> None:
+        """Leave out the foot that fits worst, and slips, until the others agree; two always do."""
+        for leg in held:
+            self.slipping[leg] = False
+        while True:
+            self._fit(held, reached)
+            off, worst = max((self._off_anchor(leg, reached[leg]), leg) for leg in held)
+            if off <= SLIP or len(held) <= 2:
+                break
+            self.slipping[worst] = True
+            held.remove(worst)
+
+    def _off_anchor(self, leg: int, spot: Point) -> float:
+        anchor = self.anchors[leg]
+        x, y, _ = self._placed(spot)
+        return 0.0 if anchor is None else math.hypot(x - anchor[0], y - anchor[1])
 
     def state(self) -> dict[str, Any]:
         """What ``restore`` goes on from."""
@@ -85,11 +91,3 @@ class LegOdometry:
         self.x, self.y, self.z, self.yaw = state["pose"]
         self.anchors = [None if a is None else (a[0], a[1], a[2]) for a in state["anchors"]]
         self.slipping = list(state["slipping"])
-
-
-def roll_pitch_yaw(attitude: Matrix, near: float) -> Point:
-    """Angles of an attitude, rad; the yaw is the one nearest to ``near``."""
-    roll = math.atan2(attitude[2][1], attitude[2][2])
-    pitch = math.asin(max(-1.0, min(1.0, -attitude[2][0])))
-    yaw = math.atan2(attitude[1][0], attitude[0][0])
-    return roll, pitch, yaw + 2.0 * math.pi * round((near - yaw) / (2.0 * math.pi))

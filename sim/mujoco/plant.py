@@ -18,25 +18,22 @@ from typing import Any
 import numpy as np
 
 from walking_console.planner.config import Tolerances
-from walking_console.planner.geometry.transforms import Matrix, Point, direction, turned_by
+from walking_console.planner.geometry.transforms import Matrix, Point, direction
 from walking_console.planner.protocols import PlantState
-from walking_console.planner.robot.kinematics import Joints, forward, inverse
+from walking_console.planner.robot.kinematics import Joints, inverse
 from walking_console.planner.robot.model import Machine
 from walking_console.planner.stability import GRAVITY, TIP_SLACK, polygon_margin, support_polygon
 from walking_console.planner.statics import centre_of_gravity, planned_loads
 from walking_console.planner.types import Sensing, Stance
 
-from ..kinematic.contact import ContactWorld
-from ..kinematic.swing_feet import overhang
 from ..sensor_noise import SensorNoise, with_noise
 from ..terrain.ground import Ground
-from .bodies import Bodies
-from .odometry import LegOdometry, roll_pitch_yaw
+from .bodies import Bodies, Truth
+from .contacts import FootContacts
+from .odometry import LegOdometry
 from .settings import Physics
 from .targets import Targets, pressing
 
-SOLE_ON = 0.01  # of the weight; a foot that carries more is on the ground
-SOLE_OFF = 0.004  # of the weight; one that carries less is off it
 FALLEN_TILT = 0.6  # rad; leaning further than this is lying
 TIPPING_TILT = 0.15  # rad; leaning further, with the centre of gravity outside its feet, is tipping
 DROPPED = 2.0  # m below where it began; further down is lying at the bottom of a hole
@@ -61,7 +58,8 @@ class PhysicsPlant:
     ) -> None:
         if len(stance.feet) != len(machine.legs):
             raise ValueError(
-                f"a stance for {machine.name!r} has {len(machine.legs)} feet, got {len(stance.feet)}"
+                f"a stance for {machine.name!r} has {len(machine.legs)} feet, "
+                f"got {len(stance.feet)}"
             )
         if noise is not None and rng is None:
             raise ValueError("sensor noise needs a seeded generator")
@@ -73,15 +71,13 @@ class PhysicsPlant:
         self.contact = FootContacts(machine, ground)
         self._noise = noise
         self._rng = rng
-        self._push_ticks = 0
         self._bodies = Bodies(machine, ground, self.physics)
         self._floor = stance.body[2] - DROPPED
-        self.body = [*stance.body[:3], 0.0, 0.0, stance.body[3]]
         joints = self._start(stance)
+        self._truth = Truth(self._bodies, stance.body[3])
         self._odometry = LegOdometry(stance.body, len(machine.legs))
         self._targets = Targets(machine, joints, self.physics.servos.lead)
-        self._read()
-        self._odometry.update(self._feet_b, self.soles, 0.0, 0.0)
+        self._odometry.update(self._truth.feet_b, self.soles, 0.0, 0.0)
 
     def _start(self, stance: Stance) -> list[Joints]:
         """Put it down in its stance and answer the joints its servos aim at: pressed together by
@@ -122,6 +118,16 @@ class PhysicsPlant:
     # -- what is so, and what it senses
 
     @property
+    def body(self) -> list[float]:
+        """The true x, y, z, roll, pitch, yaw, m and rad; the yaw is not wrapped."""
+        return self._truth.body
+
+    @property
+    def feet(self) -> list[list[float]]:
+        """True foot tips, absolute, m."""
+        return self._truth.feet
+
+    @property
     def soles(self) -> list[bool]:
         """Per leg, True where the foot carries something."""
         return self.contact.soles
@@ -149,7 +155,7 @@ class PhysicsPlant:
     @property
     def joints(self) -> list[Joints]:
         """Joint coordinates of every leg, rad or m."""
-        return self._joints
+        return self._truth.joints
 
     @property
     def tolerances(self) -> Tolerances:
@@ -171,13 +177,13 @@ class PhysicsPlant:
         sensing = Sensing(
             self.tick,
             (x, y, z, roll, pitch, yaw),
-            tuple(self._feet_b),
+            tuple(self._truth.feet_b),
             tuple(contact.soles),
             tuple(contact.whiskers),
             tuple(odometry.slipping),
             tuple(contact.rims),
             tuple(contact.loads),
-            tuple(self._joints),
+            tuple(self._truth.joints),
             self._bodies.rates(),
         )
         if self._noise is None or self._rng is None:
@@ -194,8 +200,7 @@ class PhysicsPlant:
             raise ValueError(
                 f"a push needs finite newtons and ticks >= 0, got {fx!r}, {fy!r}, {ticks!r}"
             )
-        self._bodies.push(*((fx, fy) if ticks else (0.0, 0.0)))
-        self._push_ticks = ticks
+        self._bodies.push(fx, fy, ticks)
 
     def replace_ground(self, ground: Ground) -> None:
         """Put other ground under the machine, which goes on in the same motion: feet whose ground
@@ -208,11 +213,11 @@ class PhysicsPlant:
             deep = ground.height_at(foot[0], foot[1]) - foot[2]
             if deep > BURIED:
                 self._dig_out(leg, deep)
-        self._read()
+        self._truth.read(self._bodies)
 
     def _dig_out(self, leg: int, deep: float) -> None:
         """Shorten a leg by what its ground has risen; a leg that cannot be lifts the body."""
-        x, y, z = self._feet_b[leg]
+        x, y, z = self._truth.feet_b[leg]
         joints = inverse(self.machine.chains[leg], (x, y, z + deep))
         if joints is None:
             self._bodies.lift(deep)
@@ -226,7 +231,7 @@ class PhysicsPlant:
         drives press with them too.
         """
         before = self._targets.flat
-        self._targets.drive(velocities, self._feet_b)
+        self._targets.drive(velocities, self._truth.feet_b)
         self._run(before, loads)
 
     def follow(self, feet_b: Sequence[Point], loads: Sequence[float] | None = None) -> None:
@@ -241,35 +246,15 @@ class PhysicsPlant:
             return
         press = np.zeros(len(before))
         if loads is not None:
-            press = pressing(self.machine, self._joints, loads, self._attitude)
+            press = pressing(self.machine, self._truth.joints, loads, self._truth.attitude)
         self.contact.take_loads(self._bodies.run(before, self._targets.flat, press))
-        self._read()
+        self._truth.read(self._bodies)
         self.contact.feel(self.feet, self.body, self._bodies.side_contacts())
-        self._odometry.update(self._feet_b, self.soles, self.body[3], self.body[4])
+        self._odometry.update(self._truth.feet_b, self.soles, self.body[3], self.body[4])
         self.state = self._state()
-        if self._push_ticks:
-            self._push_ticks -= 1
-            if not self._push_ticks:
-                self._bodies.push(0.0, 0.0)
-
-    def _read(self) -> None:
-        """Take the truth out of MuJoCo's arrays: body, joints, feet."""
-        x, y, z = self._bodies.place_of_torso()
-        self._attitude = self._bodies.attitude()
-        self.body[:3] = x, y, z
-        self.body[3:] = roll_pitch_yaw(self._attitude, self.body[5])
-        self._joints = self._bodies.joints()
-        self._feet_b = [
-            forward(chain, values)
-            for chain, values in zip(self.machine.chains, self._joints, strict=True)
-        ]
-        self.feet = []
-        for foot in self._feet_b:
-            ax, ay, az = turned_by(self._attitude, foot)
-            self.feet.append([x + ax, y + ay, z + az])
 
     def _state(self) -> PlantState:
-        upright = self._attitude[2][2]
+        upright = self._truth.attitude[2][2]
         if upright < math.cos(FALLEN_TILT) or self.body[2] < self._floor:
             return "fallen"
         if self._bodies.torso_touches:
@@ -289,7 +274,7 @@ class PhysicsPlant:
             "state": self.state,
             "mujoco": self._bodies.state().tolist(),
             "yaw": self.body[5],
-            "push_ticks": self._push_ticks,
+            "push_ticks": self._bodies.push_ticks,
             "target_feet": [list(foot) for foot in self._targets.feet],
             "target_joints": [list(joints) for joints in self._targets.joints],
             "contact": self.contact.state(),
@@ -302,78 +287,11 @@ class PhysicsPlant:
         self.tick = saved["tick"]
         self.state = saved["state"]
         self._bodies.restore(np.array(saved["mujoco"]))
-        self.body[5] = saved["yaw"]
-        self._push_ticks = saved["push_ticks"]
+        self._bodies.push_ticks = saved["push_ticks"]
         self._targets.feet = [(x, y, z) for x, y, z in saved["target_feet"]]
         self._targets.joints = [(a, b, c) for a, b, c in saved["target_joints"]]
         self.contact.restore(saved["contact"])
         self._odometry.restore(saved["odometry"])
         if self._rng is not None:
             self._rng.bit_generator.state = saved["noise"]
-        self._read()
-
-
-class FootContacts:
-    """What the feet feel: their loads, whether their soles are on, whiskers and rims."""
-
-    def __init__(self, machine: Machine, ground: Ground) -> None:
-        legs = len(machine.legs)
-        self.machine = machine
-        self.replace_ground(ground)
-        self.loads = [0.0] * legs
-        self.soles = [False] * legs
-        self.whiskers = [0] * legs
-        self.rims = [0] * legs
-
-    def replace_ground(self, ground: Ground) -> None:
-        """Feel other ground from now on."""
-        self.ground = ground
-        self.world = ContactWorld(ground.obstacles, self.machine)
-
-    def take_loads(self, loads: Sequence[float]) -> None:
-        """A sole is on from one load up and off from a lesser one down: it does not flutter."""
-        weight = self.machine.mass * GRAVITY
-        for leg, load in enumerate(loads):
-            self.loads[leg] = load
-            limit = SOLE_OFF if self.soles[leg] else SOLE_ON
-            was_on = self.soles[leg]
-            self.soles[leg] = load > limit * weight
-            if not self.soles[leg] or not was_on:
-                self.rims[leg] = -1 if self.soles[leg] else 0  # -1: to be looked at
-
-    def feel(
-        self,
-        feet: Sequence[Sequence[float]],
-        body: Sequence[float],
-        sides: Sequence[tuple[int, float, float]],
-    ) -> None:
-        """Whiskers near obstacles and against risers, rims of feet that have just come down."""
-        for leg, (x, y, z) in enumerate(feet):
-            near = not self.soles[leg] and self.world.near(x, y)
-            self.whiskers[leg] = self.world.feel(x, y, z, body[5]) if near else 0
-            if self.rims[leg] < 0:
-                sole = x, y, self.ground.height_at(x, y)
-                self.rims[leg] = overhang(self.ground, self.machine.foot_radius, body[5], sole)
-        for leg, dx, dy in sides:
-            if not self.soles[leg]:
-                self.whiskers[leg] |= 1 << _eighth(math.atan2(dy, dx) - body[5])
-
-    def state(self) -> dict[str, Any]:
-        """What ``restore`` goes on from."""
-        return {
-            "loads": list(self.loads),
-            "soles": list(self.soles),
-            "whiskers": list(self.whiskers),
-            "rims": list(self.rims),
-        }
-
-    def restore(self, state: dict[str, Any]) -> None:
-        """Go on from a ``state``."""
-        self.loads[:] = state["loads"]
-        self.soles[:] = state["soles"]
-        self.whiskers[:] = state["whiskers"]
-        self.rims[:] = state["rims"]
-
-
-def _eighth(bearing: float) -> int:
-    return round(bearing / (math.pi / 4)) % 8
+        self._truth = Truth(self._bodies, saved["yaw"])

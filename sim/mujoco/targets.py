@@ -60,7 +60,7 @@ class Targets:
         return x, y, z
 
     def _aim(self, leg: int, foot: Point) -> None:
-        """Take a foot target when joints can follow it, at their speeds; else as much as they can."""
+        """Take a foot target as far as joints can follow it, at their speeds."""
         chain = self.machine.chains[leg]
         joints = inverse(chain, foot)
         if joints is None:

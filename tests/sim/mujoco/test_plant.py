@@ -222,20 +222,6 @@ def test_a_heavier_machine_than_the_card_says_weighs_more():
     assert sum(plant.loads) == pytest.approx(1.2 * 80.0 * 9.81, rel=1e-2)
 
 
-@pytest.mark.parametrize(
-    ("change", "reason"),
-    [
-        ({"step": 0.003, "contact_time": 0.01}, "whole steps"),
-        ({"contact_time": 0.001}, "contact_time must be from 0.004"),
-        ({"mass_factor": 0.0}, "mass_factor must be from 0.1"),
-        ({"friction": -1.0}, "friction must be from 0"),
-    ],
-)
-def test_settings_that_cannot_be_are_refused(change, reason):
-    with pytest.raises(ValueError, match=reason):
-        plant_of(physics=Physics(**change))
-
-
 def test_a_stance_of_another_number_of_feet_is_refused():
     stance = stance_of(TITAN)
     with pytest.raises(ValueError, match="has 4 feet, got 3"):
