@@ -20,7 +20,7 @@ stance, feet = planner.stance_on(terrain), []
 while stance.body[0] < 3.0:
     step = planner.plan(stance, Command(speed=0.1), terrain)
     if isinstance(step, Blocked):
-        print("blocked:", step.reason)
+        print("blocked:", step.text)
         break
     feet += [step.end.feet[leg] for leg in step.swing]
     stance = step.end

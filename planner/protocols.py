@@ -88,9 +88,9 @@ class Planner(Protocol):
     >>> from walking_console import Blocked, Command, Planner, Stance, StepPlan, TerrainMap
     >>> class Stubborn(Planner):
     ...     def plan_step(self, stance, command, terrain):
-    ...         return Blocked("it does not want to")
+    ...         return Blocked.saying("it does not want to")
     >>> feet = ((0.5, 0.4, 0.0), (-0.5, 0.4, 0.0), (-0.5, -0.4, 0.0), (0.5, -0.4, 0.0))
-    >>> Stubborn().plan_step(Stance((0.0, 0.0, 0.7, 0.0), feet), Command(speed=0.1), None).reason
+    >>> Stubborn().plan_step(Stance((0.0, 0.0, 0.7, 0.0), feet), Command(speed=0.1), None).text
     'it does not want to'
     """
 

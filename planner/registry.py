@@ -88,7 +88,7 @@ def register_planner(
     ...         self.machine = setup.machine
     ...
     ...     def plan_step(self, stance, command, terrain):
-    ...         return Blocked(f"{self.machine.name} does not want to")
+    ...         return Blocked.saying(f"{self.machine.name} does not want to")
     >>> StepPlanner(load_machine("titan3"), "stubborn").capabilities.may_lean
     False
     >>> unregister_planner("stubborn")
@@ -164,6 +164,12 @@ def choices_that(offer: Callable[[Capabilities], bool]) -> tuple[tuple[str, str]
         for mode, declared in _ENTRIES[name].modes.items()
         if offer(declared)
     )
+
+
+def only_leans_with() -> str:
+    """Why other planners refuse to let the body follow the ground."""
+    able = spoken(choices_that(lambda planner: planner.may_lean))
+    return f"the body follows the ground only with {able}"
 
 
 def spoken(choices: Iterable[tuple[str, str]]) -> str:

@@ -9,8 +9,9 @@ left, z up, origin at the centre of gravity); everything else is absolute.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from enum import IntEnum
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum, IntEnum, unique
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -167,6 +168,48 @@ class StepPlan:
             array.setflags(write=False)
 
 
+@unique
+class Reason(Enum):
+    """Why there is no step, or no posture, with the text that is shown for it."""
+
+    # no step
+    NO_LEG = "no leg can take a step: {because}"
+    NO_WAY_ON = (
+        "no way on {where}by any leg, shift, step back, course within 30 degrees or stretched leg: "
+        "{because}{cells}"
+    )
+    NO_STEP_PASSES = "no way on"
+    NO_WAY_ON_AN_ARC = "no sequence of swings and body shifts leads on along the arc"
+    NO_WAY_ROUND = (
+        "no way round within {width:g} m to either side: {distance:.1f} m ahead {because}"
+    )
+    NO_DIRECTION = "no step can be planned in any direction near the course"
+    NO_SHIFT = "{shift}"  # of the body over the other legs, after which a leg could swing
+    PROHIBITED_CELL = "the foot would come down on a prohibited cell"
+    TORSO_TOUCHES = (
+        "the torso would touch the ground: it needs {needs:.2f} m, the legs reach {reach:.2f} m"
+    )
+    HELD_BACK = "something holds the body back: a leg or the torso is against an obstacle"
+    # along a trace
+    ARRIVED = "the trace ends here"
+    NO_WAY_ALONG = "{search}"  # the trace: what stopped the search for states
+    # no place for a foot in the air
+    NO_PLACE = "no ground within reach to set the lifted foot down"
+    NO_PLACE_FOR_ANY = "no ground within reach to set any lifted foot down"
+    # no posture
+    POSTURE_KEPT_FROM = "something keeps the machine from the posture asked for"
+    CANNOT_LEVEL = "the legs cannot level the body here: drive on first"
+    LEG_BESIDE = "it cannot sit down here: the leg would come to lie on the ground beside it"
+    FOOT_IN_THE_AIR = "a foot is in the air and has found no ground: it must be set down first"
+    NO_FOOTHOLD_BACK = "it cannot get back into the standard layout: no foothold for it is in reach"
+    NO_FOOTHOLD_THERE = "there is no foothold near its place in the standard layout"
+    NO_STANDING_BODY = (
+        "no standing body is carried by what may be stepped on near its standard layout"
+    )
+    NO_WAY_BACK = "it cannot get back into the standard layout: {because}"
+    OF_ITS_OWN = "{said}"  # of a planner that is not ours
+
+
 @dataclass(frozen=True, slots=True)
 class Blocked:
     """The planner's answer when there is no step: which constraint failed, for which leg, and the
@@ -183,13 +226,24 @@ class Blocked:
     >>> answer = planner.plan(stance, Command(speed=0.1), terrain)
     >>> while not isinstance(answer, Blocked):
     ...     answer = planner.plan(answer.end, Command(speed=0.1), terrain)
-    >>> answer.reason.startswith("no way on"), answer.leg in range(4)
-    (True, True)
+    >>> answer.reason.name, answer.leg in range(4), answer.text[:9]
+    ('NO_WAY_ON', True, 'no way on')
     """
 
-    reason: str
+    reason: Reason
     leg: int | None = None
     decision: dict[str, Any] | None = None
+    facts: Mapping[str, float | str] = field(default_factory=dict)  # what the text names
+
+    @classmethod
+    def saying(cls, text: str, leg: int | None = None) -> Blocked:
+        """For a reason of a planner's own."""
+        return cls(Reason.OF_ITS_OWN, leg, facts={"said": text})
+
+    @property
+    def text(self) -> str:
+        """The reason as one line for people, its numbers filled in."""
+        return self.reason.value.format(**self.facts)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

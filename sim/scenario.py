@@ -17,6 +17,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, PrivateAttr, model_validator
 
 from walking_console.planner import registry
+from walking_console.planner.config import PlannerConfig, configured
 from walking_console.planner.geometry.paths import Box
 from walking_console.planner.geometry.transforms import Pose, direction, placed
 from walking_console.planner.registry import DEFAULT_MODE, DEFAULT_PLANNER
@@ -60,6 +61,7 @@ class Scenario(Table):
     eye: EyeSettings | None = None
     seed: int = Field(default=1, ge=0, le=SEED_MAX)
     gait: GaitChange = GaitChange()
+    config: dict[str, Any] = {}  # tunables of planner/config.py, by theme
     terrain: AnyTerrain = Flat(kind="flat")
     start: StartPlace = StartPlace()
     drive: list[Drive] = Field(default=[], max_length=10_000)
@@ -93,6 +95,7 @@ class Scenario(Table):
 
     @model_validator(mode="after")
     def _is_for_its_planner(self) -> Scenario:
+        configured(self.config)  # raises for what there is not
         declared = registry.capabilities(self.planner, self.mode)
         if self.trace is not None and not declared.follows_trace:
             able = _keys_of(registry.choices_that(lambda planner: planner.follows_trace))
@@ -118,6 +121,11 @@ class Scenario(Table):
     def time_limit(self) -> float:
         """Simulated seconds after which the run ends in any case."""
         return TIME_LIMIT if self.end.time is None else self.end.time
+
+    @property
+    def planner_config(self) -> PlannerConfig:
+        """The tunables, with this scenario's changes."""
+        return configured(self.config)
 
     @property
     def start_pose(self) -> Pose:

@@ -18,7 +18,13 @@ from walking_console.planner import registry, stability
 from walking_console.planner.control.execution import Execution
 from walking_console.planner.control.supervisor import GaitSupervisor
 from walking_console.planner.geometry.transforms import direction
-from walking_console.planner.protocols import Planner, PlannerSetup, Plant
+from walking_console.planner.protocols import (
+    Planner,
+    PlannerError,
+    PlannerSetup,
+    Plant,
+    checked_attitude,
+)
 from walking_console.planner.types import (
     TICK,
     Blocked,
@@ -83,7 +89,8 @@ class Simulation:
     def _supervisor(self, world: World) -> GaitSupervisor:
         scenario, machine, gait = world.scenario, world.machine, world.gait
         layout = partial(registry.initial_stance, scenario.planner, scenario.mode, machine, gait)
-        run = Execution(machine, gait, world.stance, plant=self.plant.tolerances)
+        config = scenario.planner_config
+        run = Execution(machine, gait, world.stance, config, self.plant.tolerances)
         return GaitSupervisor(self.planner, run, layout, first_crab_angle(scenario))
 
     def _planner(self, world: World) -> Planner:
@@ -213,12 +220,17 @@ class Simulation:
             case TakePosture(posture):
                 self._take_posture(posture)
             case Follow(attitude):
-                self.planner.take_attitude(attitude)
+                self._take_attitude(attitude)
             case Halt():
                 if not self.walk.posing:
                     return False
                 self.walk.halt()
         return True
+
+    def _take_attitude(self, attitude: str) -> None:
+        if checked_attitude(attitude) != "level" and not self.planner.capabilities.may_lean:
+            raise PlannerError(registry.only_leans_with())
+        self.planner.take_attitude(attitude)
 
     def _take_posture(self, posture: str) -> None:
         """Refused with a reason, or taken from the next standstill on; the command it walks by ends
@@ -251,7 +263,7 @@ class Simulation:
         blocked: Blocked | None = self.walk.blocked
         if blocked is None:
             return ""
-        return blocked.reason if blocked.leg is None else f"leg {blocked.leg + 1}: {blocked.reason}"
+        return blocked.text if blocked.leg is None else f"leg {blocked.leg + 1}: {blocked.text}"
 
     def margins(self, carrying: Iterable[bool]) -> tuple[float, float]:
         """Longitudinal and polygon margin of the feet meant to carry, m."""

@@ -13,7 +13,7 @@ from ..motion.body_tilt import LEVEL, leaned
 from ..motion.postures import Choosing, Poses, regroup, sit, stand
 from ..motion.step_builder import changed
 from ..terrain.map import TerrainMap
-from ..types import POSTURES, Blocked, Stance
+from ..types import POSTURES, Blocked, Reason, Stance
 from .activities import Activity, Event
 from .walk_state import Now, WalkState
 
@@ -95,7 +95,7 @@ class PostureController:
         run, state = self._run, self._state
         if self._choosing is None:
             if self._tries >= run.config.tracking.posture_tries:
-                why = Blocked("something keeps the machine from the posture asked for")
+                why = Blocked(Reason.POSTURE_KEPT_FROM)
                 return self._give_up(why)
             self._tries += 1
             self._terrain = now.terrain
@@ -125,7 +125,7 @@ class PostureController:
             return self._plans_from(stance, terrain)
         levelling = leaned(stance, LEVEL, self._run.machine)
         if levelling is None:
-            return Blocked("the legs cannot level the body here: drive on first")
+            return Blocked(Reason.CANNOT_LEVEL)
         answer = self._plans_from(levelling.end, terrain)
         return (levelling, *answer) if isinstance(answer, tuple) else answer
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..motion.step_builder import changed
-from ..types import Blocked, Command, Stance, StepPlan
+from ..types import Blocked, Command, Reason, Stance, StepPlan
 from .activities import Event
 from .plan_job import Question
 from .walk_state import Now, WalkState
@@ -27,9 +27,7 @@ class StepController:
         if self._held >= self._run.config.tracking.held_max:
             self._held = 0
             job.refused = (now.command, now.terrain)
-            self._state.blocked = Blocked(
-                "something holds the body back: a leg or the torso is against an obstacle"
-            )
+            self._state.blocked = Blocked(Reason.HELD_BACK)
             return
         stance = job.stance_asked(now.command, now.terrain)
         if stance is None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from ..geometry.paths import line_exit
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
-from ..types import Blocked, Command, Gait, Stance, StepPlan
+from ..types import Blocked, Command, Gait, Reason, Stance, StepPlan
 from .decision_log import DecisionLog, StepRefusal
 from .foothold_checks import FootholdChecks
 from .foothold_search import foothold_map
@@ -40,11 +40,10 @@ def plan_step(
     leg = SUCCESSOR[posture.last] if posture.last >= 0 else FIRST
     shift = shift_of(nominal, posture, exits_of(nominal, posture), leg)
     if isinstance(shift, StepRefusal):
-        return Blocked(shift.value, nominal.body_leg[leg], log)
+        return Blocked(Reason.NO_SHIFT, nominal.body_leg[leg], log, {"shift": shift.value})
     step = longest_step(nominal, posture, shift)
     if not foothold_map(terrain).allows(step.landing.ax, step.landing.ay):
-        reason = "the foot would come down on a prohibited cell"
-        return Blocked(reason, nominal.body_leg[leg], log)
+        return Blocked(Reason.PROHIBITED_CELL, nominal.body_leg[leg], log)
     checks = FootholdChecks(nominal, posture, stance, terrain, machine, gait)
     return build(checks, step, checks.height_after(step, step.landing), command.speed, log)
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
-from ..types import Blocked, Command, Gait, Stance, StepPlan
+from ..types import Blocked, Command, Gait, Reason, Stance, StepPlan
 from .decision_log import DecisionLog, reasons_of
 from .foothold_checks import FootholdChecks
 from .foothold_search import foothold_map
@@ -56,5 +56,5 @@ def _blocked(checks: FootholdChecks, log: DecisionLog | None) -> Blocked:
     tried: DecisionLog = {} if log is None else log
     if log is None:  # ask again, this time for the reasons
         _decided(checks, tried)
-    reason = f"no leg can take a step: {reasons_of(tried)}"
-    return Blocked(reason, tried["legs"][0]["leg"] - 1, log)
+    leg = tried["legs"][0]["leg"] - 1
+    return Blocked(Reason.NO_LEG, leg, log, {"because": reasons_of(tried)})

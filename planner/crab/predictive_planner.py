@@ -13,7 +13,7 @@ from ..protocols import PlanningJob, run_to_completion
 from ..robot.model import Machine
 from ..search import Branch, uninterruptible
 from ..terrain.map import TerrainMap
-from ..types import Blocked, Command, Gait, Stance, StepPlan
+from ..types import Blocked, Command, Gait, Reason, Stance, StepPlan
 from .candidates import ON_THE_SPOT, Node, SearchContext
 from .decision_log import DecisionLog, note_search
 from .leg_selection import decide
@@ -115,7 +115,7 @@ def first_that_passes(
     log: DecisionLog | None,
 ) -> StepPlan | Blocked:
     """The best way whose first step lets the torso pass over the ground as well."""
-    answer: StepPlan | Blocked = Blocked("no way on")
+    answer: StepPlan | Blocked = Blocked(Reason.NO_STEP_PASSES)
     for way in ways[:FINISHED_MAX]:
         answer = finished(context, way.first, command, log)
         if isinstance(answer, StepPlan):

@@ -17,7 +17,7 @@ from typing import NamedTuple
 from ..motion.step_builder import with_feet
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
-from ..types import Blocked, Gait, Stance
+from ..types import Blocked, Gait, Reason, Stance
 from .candidates import Node, SearchContext, near_steps
 from .decision_log import DecisionLog, reasons_of, refused_cells
 from .gait import nominal_gait, posture_of
@@ -138,9 +138,6 @@ def blocked(context: SearchContext, ways: Branches, log: DecisionLog | None) -> 
     where = f"after {ways[0].gain:.2f} m more " if ways and ways[0].gain > 0.005 else ""
     places = "".join(f" ({cell['x']:.2f}, {cell['y']:.2f})" for cell in cells[:3])
     named = f"; refused cells:{places}" if places else ""
-    reason = (
-        f"no way on {where}by any leg, shift, step back, course within 30 degrees or "
-        f"stretched leg: {reasons_of(tried, 'no gain')}{named}"
-    )
+    facts = {"where": where, "because": reasons_of(tried, "no gain"), "cells": named}
     leg = legs[0]["leg"] - 1 if legs else None
-    return Blocked(reason, leg, {**(log or {}), "refused": cells})
+    return Blocked(Reason.NO_WAY_ON, leg, {**(log or {}), "refused": cells}, facts)

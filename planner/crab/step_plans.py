@@ -27,7 +27,7 @@ from ..motion.timing import (
     timing,
 )
 from ..robot.model import Machine
-from ..types import Blocked, Gait, Point, Stance, StepPlan
+from ..types import Blocked, Gait, Point, Reason, Stance, StepPlan
 from .decision_log import DecisionLog
 from .foothold_checks import FootholdChecks
 from .foothold_search import corners_of, domain_of
@@ -46,8 +46,8 @@ def swing_plan(
     height = checks.height_after(step, step.landing, limits)
     needs = checks.torso_needs(step.g, height)
     if needs > limits[1]:
-        why = f"it needs {needs:.2f} m, the legs reach {limits[1]:.2f} m"
-        return Blocked(f"the torso would touch the ground: {why}", None, log)
+        facts = {"needs": needs, "reach": limits[1]}
+        return Blocked(Reason.TORSO_TOUCHES, None, log, facts)
     return build(checks, step, max(height, needs), speed, log)
 
 

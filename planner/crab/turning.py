@@ -24,7 +24,7 @@ from ..robot.model import Machine
 from ..search import Branch, Option, Search, beam, firsts, uninterruptible
 from ..stability import XY, polygon_margin, support_polygon
 from ..terrain.map import TerrainMap
-from ..types import Blocked, Command, Gait, Stance, StepPlan
+from ..types import Blocked, Command, Gait, Reason, Stance, StepPlan
 from .candidates import shift_room
 from .decision_log import DecisionLog, StepRefusal, note_cell, note_leg, note_reason, note_search
 from .foothold_checks import FootholdChecks
@@ -371,8 +371,7 @@ def turn_job(
         log = {"crab_angle": command.crab_angle, "turn": arc.turn, "stride": nominal.stride}
     posture = posture_of(nominal, stance)
     search = TurnSearch(FootholdChecks(nominal, posture, stance, terrain, machine, gait))
-    reason = "no sequence of swings and body shifts leads on along the arc"
-    answer: StepPlan | Blocked = Blocked(reason, None, log)
+    answer: StepPlan | Blocked = Blocked(Reason.NO_WAY_ON_AN_ARC, None, log)
     for depth, width, anywhere in LOOKS[IN_NEED_LOOK:] if search.in_need else LOOKS:
         # half a search knows no better than to stay, and a walk of such answers never ends
         found = yield from uninterruptible(search.look(depth, width, anywhere))

@@ -14,7 +14,7 @@ from dataclasses import replace
 
 from ..robot.model import Leg, Machine
 from ..terrain.map import TerrainMap
-from ..types import Blocked, Gait, Point, Stance, StepPlan
+from ..types import Blocked, Gait, Point, Reason, Stance, StepPlan
 from .step_builder import FootWay, body_still_plan
 from .swing import CLEARANCE, STRETCHES, SwingCorners, aim_of, profile_of, swing_speeds
 
@@ -32,7 +32,7 @@ def place_foot(
     """
     way = _way_down(stance, leg, terrain, machine, gait)
     if way is None:
-        return Blocked("no ground within reach to set the lifted foot down", leg)
+        return Blocked(Reason.NO_PLACE, leg)
     return _placing(stance, {leg: way}, machine, gait)
 
 
@@ -50,7 +50,7 @@ def place_feet(
         if (way := _way_down(stance, leg, terrain, machine, gait)) is not None
     }
     if not ways:
-        return Blocked("no ground within reach to set any lifted foot down", legs[0])
+        return Blocked(Reason.NO_PLACE_FOR_ANY, legs[0])
     stays = tuple(leg for leg in legs if leg not in ways)
     return _placing(replace(stance, lifted=stays), ways, machine, gait)
 

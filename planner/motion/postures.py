@@ -21,7 +21,7 @@ from ..robot.collision import leg_in_the_way
 from ..robot.model import Machine
 from ..stability import XY, Polygon, polygon_margin, support_polygon
 from ..terrain.map import TerrainMap
-from ..types import TICK, Blocked, Gait, Point, Stance, StepPlan
+from ..types import TICK, Blocked, Gait, Point, Reason, Stance, StepPlan
 from .body_height import torso_needs, torso_needs_exactly
 from .step_builder import FootWay, body_still_plan, changed, holding_plan, plan_on_all_feet
 from .swing import CLEARANCE, STRETCHES, lift, profile_of, swing_speeds
@@ -70,9 +70,7 @@ def sit(stance: Stance, terrain: TerrainMap, machine: Machine, gait: Gait) -> Po
         reached = lower
     if reached == z and lowest < z - STILL:
         met = leg_in_the_way(terrain, machine, (x, y, max(lowest, z - LEG_LOOK), yaw), stance.feet)
-        return Blocked(
-            "it cannot sit down here: the leg would come to lie on the ground beside it", met
-        )
+        return Blocked(Reason.LEG_BESIDE, met)
     return _moved(stance, ((x, y, min(reached, z)),), machine, gait)
 
 
@@ -122,9 +120,7 @@ def height_limits(feet: Sequence[Point], machine: Machine) -> tuple[float, float
 
 
 def _in_the_air(stance: Stance) -> Blocked:
-    return Blocked(
-        "a foot is in the air and has found no ground: it must be set down first", stance.lifted[0]
-    )
+    return Blocked(Reason.FOOT_IN_THE_AIR, stance.lifted[0])
 
 
 def _torso(
@@ -249,9 +245,7 @@ class _Regrouping:
         self.start = self.turned(*stance.body[:2])
         self.end = self.turned(*goal.body[:2])
         self.looks = 0
-        self.why = Blocked(
-            "it cannot get back into the standard layout: no foothold for it is in reach"
-        )
+        self.why = Blocked(Reason.NO_FOOTHOLD_BACK)
         self.level = sum(foot[2] for foot in stance.feet) / len(stance.feet)
         self.here = [self._here(leg) for leg in range(len(machine.legs))]
 
@@ -283,9 +277,7 @@ class _Regrouping:
         choices = [self.cells(leg) for leg in range(len(self.machine.legs))]
         for leg, cells in enumerate(choices):
             if not cells:
-                self.why = Blocked(
-                    "there is no foothold near its place in the standard layout", leg
-                )
+                self.why = Blocked(Reason.NO_FOOTHOLD_THERE, leg)
                 return
         nearest = tuple(cells[0] for cells in choices)
         found = [nearest]
@@ -303,9 +295,7 @@ class _Regrouping:
             if low <= high and margin >= GOAL_INSET:
                 yield layout
         if not self.looks:
-            self.why = Blocked(
-                "no standing body is carried by what may be stepped on near its standard layout"
-            )
+            self.why = Blocked(Reason.NO_STANDING_BODY)
 
     def cells(self, leg: int) -> list[_Place]:
         """Where one foot may stand, nearest to its place first: where it is, the place itself, or
@@ -431,7 +421,7 @@ class _Regrouping:
                 if isinstance(move, _Move):
                     found.append(move)
                 else:
-                    self.why = Blocked(f"it cannot get back into the standard layout: {move}", leg)
+                    self.why = Blocked(Reason.NO_WAY_BACK, leg, facts={"because": move})
         return sorted(found, key=lambda move: (move.place, round(move.way, 6), move.leg))
 
     def _look(

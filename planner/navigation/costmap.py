@@ -27,7 +27,7 @@ from ..motion.strides import kept
 from ..motion.swing import CLEARANCE
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
-from ..types import Stance
+from ..types import Blocked, Reason, Stance
 
 Array = NDArray[np.float64]
 Reals = NDArray[np.floating[Any]]
@@ -54,6 +54,11 @@ LOW_RELIEF = 0.05  # m; ground this even needs no survey of heights
 KNOWN_ENOUGH = 0.2  # of a leg's rectangle seen: enough to plan by
 
 FIT, STEEP, TORSO, WALL = 0, 100, 101, 102  # what a place is; 1..n: leg without a foothold
+BARRED_BY = {
+    STEEP: "the ground is too steep for the legs to reach together",
+    TORSO: "the torso would touch the ground",
+    WALL: "a leg cannot be lifted over what bars its lane",
+}
 
 
 class Region(NamedTuple):
@@ -378,20 +383,21 @@ class Survey:
             walked, s1, d1 = walked + length, s2, d2
         return math.inf
 
-    def why(self) -> str:
+    def why(self) -> Blocked:
         """What bars the commanded line first."""
         s = np.arange(1, math.ceil(self.region.length / self.step) + 1) * self.step
         verdicts = self.verdict[self.at(s, np.full(s.size, self.region.off))]
         bars = np.flatnonzero(verdicts != FIT)
         if bars.size == 0:
-            return "no step can be planned in any direction near the course"
-        distance, verdict = float(s[bars[0]]), int(verdicts[bars[0]])
-        reason = {
-            STEEP: "the ground is too steep for the legs to reach together",
-            TORSO: "the torso would touch the ground",
-            WALL: "a leg cannot be lifted over what bars its lane",
-        }.get(verdict, f"leg {verdict} would find no foothold")
-        return f"no way round within {WIDTH:g} m to either side: {distance:.1f} m ahead {reason}"
+            return Blocked(Reason.NO_DIRECTION)
+        verdict = int(verdicts[bars[0]])
+        because = BARRED_BY.get(verdict, f"leg {verdict} would find no foothold")
+        facts: dict[str, float | str] = {
+            "width": WIDTH,
+            "distance": float(s[bars[0]]),
+            "because": because,
+        }
+        return Blocked(Reason.NO_WAY_ROUND, facts=facts)
 
 
 class Sums:

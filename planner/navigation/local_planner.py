@@ -195,7 +195,7 @@ def plan_route(
             survey = Survey(region, stance, terrain, machine, stretched=True)
             way = Ways(survey).best(state.offset, refused)
         if way.reach < NO_WAY:
-            return command, replace(state, aim=None, offset=0.0, way=()), Blocked(why)
+            return command, replace(state, aim=None, offset=0.0, way=()), why
     return _steered(command, state, stance, region, way, survey if cautious else None)
 
 

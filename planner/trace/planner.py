@@ -17,12 +17,11 @@ from ..motion.step_builder import changed
 from ..protocols import run_to_completion
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
-from ..types import Blocked, Command, Gait, Stance, StepPlan
+from ..types import Blocked, Command, Gait, Reason, Stance, StepPlan
 from .periodic_gaits import RigidGait
 from .prediction import Prediction, index_of, predicting, serves
 from .timing import step_plan
 
-ARRIVED = "the trace ends here"
 PACE_MIN = 1e-3  # m/s; a slower command walks at this
 PACE_SHARE_MIN = 0.2  # of the pace, towards the end of what is known to be passable
 STATES_TOLD = 12  # moves ahead in the decision log
@@ -118,9 +117,10 @@ def next_step(
     n = index_of(prediction, stance)
     if n is None or n >= len(prediction.moves):
         return Blocked(
-            prediction.reason or ARRIVED,
+            Reason.NO_WAY_ALONG if prediction.reason else Reason.ARRIVED,
             _first_to_leave(prediction),
             _decision(prediction, n) if explain else None,
+            {"search": prediction.reason},
         )
     pace = command.speed
     if not prediction.given:

@@ -94,8 +94,7 @@ async def attitude(body: AttitudeBody, state: ConsoleState) -> dict[str, Any]:
     """
     now = state.loop.newest
     if body.attitude != "level" and not now.capabilities.may_lean:
-        able = registry.spoken(registry.choices_that(lambda planner: planner.may_lean))
-        raise HTTPProblem(409, f"the body follows the ground only with {able}")
+        raise HTTPProblem(409, registry.only_leans_with())
     state.loop.request(Follow(body.attitude))
     return {"tick": now.tick, "attitude": body.attitude}
 

@@ -109,7 +109,7 @@ def reflex_time() -> float:
     stance = world.stance
     plan = run_to_completion(planner_in(world).plan(stance, COMMAND, world.belief))
     if not isinstance(plan, StepPlan):
-        raise RuntimeError(f"no first step on flat ground: {plan.reason}")
+        raise RuntimeError(f"no first step on flat ground: {plan.text}")
     x, y, z, yaw = plan.end.body
     feet = tuple((fx - x, fy - y, fz - z) for fx, fy, fz in stance.feet)
     sensing = Sensing(0, (x, y, z, 0.0, 0.0, yaw), feet, (True,) * 4, (0,) * 4, (False,) * 4)

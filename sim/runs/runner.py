@@ -11,8 +11,7 @@ from pathlib import Path, PurePath
 from typing import Any
 
 from walking_console.planner.robot.model import as_data
-from walking_console.planner.trace.planner import ARRIVED
-from walking_console.planner.types import TICK, Command
+from walking_console.planner.types import TICK, Command, Reason
 from walking_console.sim.plants import versions
 from walking_console.sim.requests import Halt, TakePosture
 from walking_console.sim.runs.metrics import measured
@@ -141,8 +140,8 @@ class _Ends:
         if blocked is None:
             self.blocked_ticks = 0
             return None
-        if blocked.reason == ARRIVED:
-            return "completed", ARRIVED
+        if blocked.reason is Reason.ARRIVED:
+            return "completed", blocked.text
         self.blocked_ticks += 1
         if self.blocked_ticks * TICK >= BLOCKED_LIMIT and index >= self.last_entry:
             return "blocked", simulation.reason

@@ -55,7 +55,7 @@ def test_no_step_is_an_answer_and_not_an_error() -> None:
         if isinstance(answer, Blocked):
             break
         stance = answer.end
-    assert isinstance(answer, Blocked) and answer.reason
+    assert isinstance(answer, Blocked) and answer.text
 
 
 def test_what_was_explained_is_in_the_plan() -> None:

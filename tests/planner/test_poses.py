@@ -138,7 +138,7 @@ def test_from_every_posture_the_feet_come_back_into_the_standard_layout(
         )
         plans = run_to_completion(regroup(stance, goal, terrain, machine, gait, angle))
         if isinstance(plans, Blocked):
-            stuck.append(plans.reason)
+            stuck.append(plans.text)
             continue
         assert_sound(plans, stance, terrain, machine)
         end = plans[-1].end
@@ -186,7 +186,7 @@ def test_from_the_standard_posture_of_every_course_to_that_of_every_other(
     for stance in layouts:
         for goal in layouts:
             plans = run_to_completion(regroup(stance, goal, terrain, machine, gait))
-            assert not isinstance(plans, Blocked), plans.reason
+            assert not isinstance(plans, Blocked), plans.text
             assert_sound(plans, stance, terrain, machine)
             assert all(
                 math.dist(foot, place) <= THERE
@@ -203,7 +203,7 @@ def test_it_sits_down_on_its_feet_and_stands_up_again(name: str, kind: str) -> N
         terrain = ground_of(kind, machine, rng)
         stance = random_stance(machine, gait, terrain, rng)
         down = sit(stance, terrain, machine, gait)
-        assert not isinstance(down, Blocked), down.reason
+        assert not isinstance(down, Blocked), down.text
         low = down[-1].end if down else stance
         up = stand(low, terrain, machine, gait)
         assert not isinstance(up, Blocked)
@@ -281,9 +281,7 @@ def test_it_does_not_sit_down_onto_a_pole_beside_its_leg() -> None:
     blocked = sit(
         stance, raised(terrain, (x - 0.03, x + 0.03), (y - 0.03, y + 0.03), 0.44), machine, gait
     )
-    assert (
-        isinstance(blocked, Blocked) and "ground beside it" in blocked.reason and blocked.leg == 0
-    )
+    assert isinstance(blocked, Blocked) and "ground beside it" in blocked.text and blocked.leg == 0
 
 
 def test_with_a_foot_in_the_air_no_posture_is_taken() -> None:
@@ -295,7 +293,7 @@ def test_with_a_foot_in_the_air_no_posture_is_taken() -> None:
         stand(hanging, terrain, machine, gait),
         run_to_completion(regroup(hanging, stance, terrain, machine, gait)),
     ):
-        assert isinstance(answer, Blocked) and answer.leg == 2 and "set down first" in answer.reason
+        assert isinstance(answer, Blocked) and answer.leg == 2 and "set down first" in answer.text
 
 
 def test_feet_that_stand_in_their_places_stay_there() -> None:
@@ -328,7 +326,7 @@ def test_where_nothing_may_be_stepped_on_it_says_of_which_leg() -> None:
         stance, body=(5.0, *stance.body[1:]), feet=tuple((x + 5.0, y, z) for x, y, z in stance.feet)
     )
     answer = run_to_completion(regroup(stance, there, nowhere, machine, gait))
-    assert isinstance(answer, Blocked) and answer.leg == 0 and "no foothold" in answer.reason
+    assert isinstance(answer, Blocked) and answer.leg == 0 and "no foothold" in answer.text
 
 
 def test_the_search_is_the_same_every_time_and_pauses() -> None:

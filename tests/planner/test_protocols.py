@@ -107,7 +107,7 @@ def test_ground_without_a_foothold_is_an_answer_and_not_an_error(choice):
     if isinstance(answer, StepPlan):  # the body may still be shifted over the feet as they stand
         assert answer.swing == ()
         answer = run_to_completion(planner.plan(answer.end, ON, nowhere))
-    assert isinstance(answer, Blocked) and answer.reason
+    assert isinstance(answer, Blocked) and answer.text
 
 
 def test_no_command_is_made_faster_by_the_planner(choice):
@@ -165,16 +165,22 @@ def test_a_planner_that_plans_nothing_is_refused_where_it_is_written():
 def test_a_planner_may_be_a_plain_call_or_a_job_and_is_both():
     class Call(Planner):
         def plan_step(self, stance, command, terrain):
-            return Blocked("called")
+            return Blocked.saying("called")
 
     class Job(Planner):
         def plan(self, stance, command, terrain):
             yield
-            return Blocked("done")
+            return Blocked.saying("done")
 
     asked = (Stance((0.0, 0.0, 0.7, 0.0), ()), ON, level())
-    assert run_to_completion(Call().plan(*asked)) == Call().plan_step(*asked) == Blocked("called")
-    assert run_to_completion(Job().plan(*asked)) == Job().plan_step(*asked) == Blocked("done")
+    assert (
+        run_to_completion(Call().plan(*asked))
+        == Call().plan_step(*asked)
+        == Blocked.saying("called")
+    )
+    assert (
+        run_to_completion(Job().plan(*asked)) == Job().plan_step(*asked) == Blocked.saying("done")
+    )
 
 
 def test_the_ground_and_what_is_believed_of_it_are_both_height_maps():

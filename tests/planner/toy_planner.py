@@ -10,7 +10,7 @@ from walking_console.planner.geometry.transforms import placed, turned
 from walking_console.planner.protocols import Capabilities, Planner, PlannerSetup, PlanningJob
 from walking_console.planner.registry import register_planner
 from walking_console.planner.terrain.map import TerrainMap
-from walking_console.planner.types import Blocked, Command, Phase, Point, Stance, StepPlan
+from walking_console.planner.types import Blocked, Command, Phase, Point, Reason, Stance, StepPlan
 
 TRIPODS = ((0, 2, 4), (1, 3, 5))
 TIMES = np.array([0.0, 0.5, 1.5, 2.0])  # s: lift, carry, lower
@@ -40,7 +40,7 @@ class ToyPlanner(Planner):
         for leg in swing:
             landing = self._landing(leg, (x + 2 * dx, y + 2 * dy, yaw), terrain)
             if landing is None:
-                return Blocked("the foot would come down on a prohibited cell", leg)
+                return Blocked(Reason.PROHIBITED_CELL, leg)
             feet[leg] = landing
         end = replace(stance, body=(x + dx, y + dy, z, yaw), feet=tuple(feet), last_swing=swing[0])
         return self._step(stance, end, swing, command)

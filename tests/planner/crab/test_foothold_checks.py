@@ -45,7 +45,7 @@ def test_a_wall_stops_the_torso_and_is_named():
     wall = TerrainMap(heights, classify(heights, 0.05, TITAN), 0.05, ground.origin)
     last = walk(command(0, 0.1), 40, wall)[-1]
     assert isinstance(last, Blocked)
-    assert "torso" in last.reason or "no leg" in last.reason
+    assert "torso" in last.text or "no leg" in last.text
 
 
 def test_a_pole_between_the_feet_stops_the_torso_and_is_named():
@@ -53,7 +53,7 @@ def test_a_pole_between_the_feet_stops_the_torso_and_is_named():
     heights[99:101, 140:142] = 1.4
     pole = TerrainMap(heights, classify(heights, 0.05, TITAN), 0.05, (-5.0, -5.0))
     last = walk(command(0, 0.1), 40, pole)[-1]
-    assert isinstance(last, Blocked) and "torso would touch the ground" in last.reason
+    assert isinstance(last, Blocked) and "torso would touch the ground" in last.text
 
 
 def test_a_low_block_between_the_feet_raises_the_body():

@@ -137,7 +137,7 @@ def test_with_nowhere_to_land_it_says_of_every_leg_why():
     assert isinstance(blocked, Blocked)
     assert blocked.leg == 2
     for leg in (1, 2, 3, 4):
-        assert f"leg {leg}: " in blocked.reason
+        assert f"leg {leg}: " in blocked.text
     assert blocked.decision is None
 
 
@@ -153,7 +153,7 @@ def test_asked_to_explain_it_tells_legs_limits_and_refused_cells():
             decision["legs"][0]
         )
         if isinstance(plan, Blocked):
-            assert isinstance(silent, Blocked) and silent.reason == plan.reason
+            assert isinstance(silent, Blocked) and silent.text == plan.text
             break
         assert silent.decision is None and silent.end == plan.end, "explaining changed the plan"
         trial = decision["legs"][-1]

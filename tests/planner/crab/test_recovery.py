@@ -110,7 +110,7 @@ def test_a_river_that_the_control_reach_crosses_is_not_stretched_over():
 def test_a_river_beyond_the_mechanical_limit_is_not_crossed_and_it_says_why():
     plans = walk(command(), river(0.55, 0.8), 2.4)
     answer = plans[-1][1]
-    assert isinstance(answer, Blocked) and "no way on" in answer.reason
+    assert isinstance(answer, Blocked) and "no way on" in answer.text
 
 
 def test_stretched_legs_reach_their_mechanical_limit_less_what_lifting_needs():

@@ -110,9 +110,7 @@ def test_a_river_as_wide_as_the_mechanical_reach_is_crossed_and_a_wider_one_is_n
         _, courses, why = walked(map_of(with_hole(2.0, 2.0 + width, LOW, HIGH)))
         assert why is None and set(courses) == {0.0}
     places, courses, why = walked(map_of(with_hole(2.0, 2.2 + stroke, LOW, HIGH)))
-    assert (
-        why is not None and "no way round" in why.reason and "would find no foothold" in why.reason
-    )
+    assert why is not None and "no way round" in why.text and "would find no foothold" in why.text
     assert places[-1][0] < 2.0
 
 
@@ -222,15 +220,15 @@ def test_where_nothing_works_it_says_what_fails():
     heights = level()
     heights[:, at(1.0) :] = 0.9
     _, _, why = walked(map_of(heights))
-    assert isinstance(why, Blocked) and "no way round within 2 m to either side" in why.reason
-    assert "too steep" in why.reason or "lifted over" in why.reason
+    assert isinstance(why, Blocked) and "no way round within 2 m to either side" in why.text
+    assert "too steep" in why.text or "lifted over" in why.text
 
 
 def test_the_edge_of_the_map_is_no_ground():
     _, _, why = plan_route(
         RouteState(), Command(0.0, 0.08), stance_at(HIGH - 0.4, 0.0), map_of(level()), MACHINE
     )
-    assert why is not None and "no foothold" in why.reason
+    assert why is not None and "no foothold" in why.text
 
 
 def test_unknown_ground_ahead_slows_and_does_not_stop():

@@ -235,7 +235,7 @@ def test_with_feet_at_the_edges_of_their_reach_it_gets_on_within_seven_steps(fra
             on_circle(rng.choice([0.0, 1.0, 4.0]), rng.uniform(-180, 180), left=rng.random() < 0.5),
         )
         for plan in walk(command, math.inf, holes(fraction, seed), stance=stance, steps=14):
-            assert not isinstance(plan, Blocked), (seed, plan.reason)
+            assert not isinstance(plan, Blocked), (seed, plan.text)
             ways.append(swung(plan))
         assert sum(ways[:7]) > 0.02 and sum(ways[7:]) > 0.02, (seed, ways)
 
@@ -290,4 +290,4 @@ def test_where_no_foot_may_land_it_says_so():
         if isinstance(plan, Blocked):
             break
         stance = plan.end
-    assert isinstance(plans[-1], Blocked) and "arc" in plans[-1].reason
+    assert isinstance(plans[-1], Blocked) and "arc" in plans[-1].text

@@ -15,8 +15,8 @@ from walking_console.planner.robot.model import Machine
 from walking_console.planner.stability import MARGIN_SLACK, polygon_margin, support_polygon
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.trace.periodic_gaits import RigidGait
-from walking_console.planner.trace.planner import ARRIVED, TraceWalk
-from walking_console.planner.types import Blocked, Command, Gait, Phase, Stance, StepPlan
+from walking_console.planner.trace.planner import TraceWalk
+from walking_console.planner.types import Blocked, Command, Gait, Phase, Reason, Stance, StepPlan
 
 TOUCH = 0.005  # m, a foot's reach may be exceeded by while the torso turns between knots
 
@@ -54,7 +54,7 @@ class Walked:
 
     @property
     def arrived(self) -> bool:
-        return self.blocked is not None and self.blocked.reason == ARRIVED
+        return self.blocked is not None and self.blocked.reason is Reason.ARRIVED
 
 
 def walk(

@@ -12,8 +12,8 @@ from walking_console.planner.robot.model import load_machine, machine_from
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.trace.paths import trace_for
 from walking_console.planner.trace.periodic_gaits import GAITS
-from walking_console.planner.trace.planner import ARRIVED, TraceWalk, plan_step
-from walking_console.planner.types import Blocked, Command, Phase, Stance, StepPlan
+from walking_console.planner.trace.planner import TraceWalk, plan_step
+from walking_console.planner.types import Blocked, Command, Phase, Reason, Stance, StepPlan
 
 HEXAPOD = load_machine("hexapod")
 EVERYWHERE = field_of(1.0, 0, HEXAPOD, (-8, 8, -8, 8))
@@ -206,7 +206,7 @@ def test_a_slower_command_makes_a_slower_step_over_the_same_ground() -> None:
 
 def test_at_the_end_of_the_trace_it_says_so() -> None:
     walked = walk(HEXAPOD, EVERYWHERE, WALKING, trace_for({"kind": "line", "length": 1}, HEXAPOD))
-    assert walked.blocked is not None and walked.blocked.reason == ARRIVED
+    assert walked.blocked is not None and walked.blocked.reason is Reason.ARRIVED
 
 
 def test_on_an_island_it_stops_at_the_edge_and_says_why() -> None:
@@ -215,7 +215,7 @@ def test_on_an_island_it_stops_at_the_edge_and_says_why() -> None:
     island = TerrainMap(np.where(forbidden, np.nan, 0.0), forbidden, 0.05, EVERYWHERE.origin)
     walked = walk(HEXAPOD, island, WALKING, trace_for({"kind": "line"}, HEXAPOD))
     assert walked.faults == []
-    assert walked.blocked is not None and "beyond s =" in walked.blocked.reason
+    assert walked.blocked is not None and "beyond s =" in walked.blocked.text
     assert walked.stance.lifted == () and max(foot[0] for foot in walked.stance.feet) < 2.5
     # it slows down towards the end of what it knows
     assert walked.steps[-1].speed <= walked.steps[0].speed
@@ -232,7 +232,7 @@ def test_when_the_map_grows_it_walks_on() -> None:
     for terrain in (seen, EVERYWHERE):
         while isinstance(answer := finished(think, now, WALKING, terrain), StepPlan):
             now = answer.end
-    assert answer.reason == ARRIVED
+    assert answer.reason is Reason.ARRIVED
 
 
 def test_it_leaves_a_posture_that_is_not_its_own() -> None:
@@ -301,7 +301,7 @@ def test_a_machine_that_does_not_stand_has_no_step() -> None:
         gait_of(HEXAPOD),
         trace=trace_for({"kind": "line"}, HEXAPOD),
     )
-    assert isinstance(answer, Blocked) and "stable" in answer.reason
+    assert isinstance(answer, Blocked) and "stable" in answer.text
 
 
 def test_over_rough_ground_the_body_follows_and_feet_clear_the_crests() -> None:
@@ -363,5 +363,5 @@ def test_what_the_torso_would_run_into_is_the_end_of_the_way_and_it_says_so() ->
         trace_for({"kind": "line", "length": 4}, HEXAPOD),
     )
     assert walked.faults == []
-    assert walked.blocked is not None and "torso" in walked.blocked.reason
+    assert walked.blocked is not None and "torso" in walked.blocked.text
     assert 1.5 < walked.stance.body[0] + HEXAPOD.torso[0] / 2 <= 3.0
