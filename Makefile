@@ -11,7 +11,7 @@ PYTEST_ARGS ?=# more options for pytest, e.g. make test PYTEST_ARGS="-k layers"
 # The four rooms under their one import name, as plain folders: what editors, mypy and other tools that do not run Python follow.
 SOURCE := $(VENV)/source/walking_console
 LINK = mkdir -p $(SOURCE) && for part in planner sim server web; do ln -sfn ../../../$$part $(SOURCE)/$$part; done \
-	&& for part in walking_console/*.py walking_console/py.typed; do ln -sfn ../../../$$part $(SOURCE)/$${part#*/}; done \
+	&& for part in walking_console/*.py walking_console/py.typed; do ln -sfn ../../../$$part $(SOURCE)/$$(basename $$part); done \
 	&& $(PY) -c 'import sysconfig, pathlib; pathlib.Path(sysconfig.get_path("purelib"), "walking-console-source.pth").write_text(str(pathlib.Path("$(VENV)/source").resolve()) + "\n")'
 
 .DEFAULT_GOAL := help

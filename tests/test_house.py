@@ -342,7 +342,8 @@ def asserts(function: Function, asserting: set[str]) -> bool:
             name = ast.unparse(node.func)
             if name in ("pytest.raises", "pytest.warns", "pytest.fail"):
                 return True
-            if name.rpartition(".")[2] in asserting:
+            last = name.rpartition(".")[2]
+            if last in asserting or last.startswith("assert"):
                 return True
     return False
 
@@ -390,7 +391,7 @@ AT_MOST: dict[Bar, float] = {
     crab_lines: 4150,  # 3000
     crab_floors: 8,
     without_a_test_file: 78,  # 0
-    without_an_assertion: 1,  # 0
+    without_an_assertion: 0,
 }
 AT_LEAST: dict[Bar, float] = {examples: 12, walks_recorded: 40}
 

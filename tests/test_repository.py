@@ -79,7 +79,7 @@ def test_no_file_names_a_package_registry() -> None:
     ] == []
 
 
-IMPORTED_AS = {"pillow": "PIL"}
+IMPORTED_AS = {"pillow": "PIL", "pypng": "png"}
 
 
 def canonical(name: str) -> str:
@@ -258,3 +258,17 @@ def test_the_readme_shows_what_its_snippets_print(program: str, result: str) -> 
         [sys.executable, "-c", program], capture_output=True, text=True, timeout=60
     )
     assert (done.stdout, done.stderr) == (result, "")
+
+
+def test_make_says_its_commands_so_that_the_shell_understands_them(tmp_path: Path) -> None:
+    """Of an environment that is not there yet: what it would do, word by word."""
+    said = subprocess.run(
+        ["make", "--dry-run", "test", "run", f"VENV={tmp_path}/env"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=60,
+    ).stdout
+    assert "walking_console/*.py" in said
+    subprocess.run(["sh", "-n"], input=said, text=True, check=True, timeout=60)
