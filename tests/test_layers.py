@@ -250,18 +250,11 @@ FILES = {
 KNOWN = frozenset(FILES)
 
 
-# Modules that were moved into their room before what they import was: this list only gets shorter.
-STILL_TO_MOVE: set[str] = set()
-
-
 @pytest.mark.parametrize("module", FILES)
-def test_a_module_imports_only_what_its_room_may_or_is_listed_as_still_to_move(module: str) -> None:
+def test_a_module_imports_only_what_its_room_may(module: str) -> None:
     path = FILES[module]
-    found = faults(path.read_text(encoding="utf-8"), module, KNOWN, path.name == "__init__.py")
-    if module in STILL_TO_MOVE:
-        assert found, f"{module} has moved: take it off the list"
-    else:
-        assert found == []
+    source = path.read_text(encoding="utf-8")
+    assert faults(source, module, KNOWN, path.name == "__init__.py") == []
 
 
 WORLD = frozenset(

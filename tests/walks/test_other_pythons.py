@@ -10,9 +10,11 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 MINORS = range(11, 20)
-NEEDED = (
-    "import sys, numpy, pydantic, pymunk, PIL; print(sys.version.split()[0], numpy.__version__)"
-)
+NEEDED = """
+import sys
+import numpy, PIL, png, pydantic, pymunk, tifffile
+print(sys.version.split()[0], numpy.__version__)
+"""
 WALKS = """
 from walking_console import Simulation, load_scenario
 from walking_console.sim.runs.recorder import Recorder
@@ -63,7 +65,7 @@ def test_it_is_walked_alike_by_every_python_that_has_what_it_needs(
     environment: dict[str, str],
 ) -> None:
     if not others():
-        pytest.skip("no other Python of 3.11 or newer here that has numpy, pydantic, pymunk, PIL")
+        pytest.skip("no other Python of 3.11 or newer here that has what the simulation needs")
     mine = output_of(sys.executable, WALKS, env=environment)
     assert len(mine.splitlines()) == 3
     assert {
