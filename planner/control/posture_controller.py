@@ -10,7 +10,8 @@ from collections.abc import Callable
 
 from ..initial_stance import Placement
 from ..motion.body_tilt import LEVEL, leaned
-from ..motion.postures import Choosing, Poses, regroup, sit, stand
+from ..motion.postures import PlanSequence, sit, stand
+from ..motion.return_to_nominal import SequenceJob, return_to_nominal
 from ..motion.step_builder import changed
 from ..terrain.map import TerrainMap
 from ..types import POSTURES, Blocked, Reason, Stance
@@ -34,8 +35,8 @@ class PostureController:
         self._run = state.run
         self._layout = layout
         self._rises_to_walk = False  # a command to move wants the posture it is taking
-        self._plans: Poses = ()
-        self._choosing: Choosing | None = None  # the order of the legs is being searched for
+        self._plans: PlanSequence = ()
+        self._choosing: SequenceJob | None = None  # the order of the legs is being searched for
         self._terrain: TerrainMap | None = None  # the map the plans were made on
         self._tries = 0  # times the posture wanted has been begun
 
@@ -117,7 +118,7 @@ class PostureController:
         self.halt()
         self._state.blocked = why
 
-    def _planned(self, stance: Stance, terrain: TerrainMap) -> Poses | Blocked | None:
+    def _planned(self, stance: Stance, terrain: TerrainMap) -> PlanSequence | Blocked | None:
         """The plans of the posture wanted, a leaning body levelled first; None while that takes
         longer.
         """
@@ -129,7 +130,7 @@ class PostureController:
         answer = self._plans_from(levelling.end, terrain)
         return (levelling, *answer) if isinstance(answer, tuple) else answer
 
-    def _plans_from(self, stance: Stance, terrain: TerrainMap) -> Poses | Blocked | None:
+    def _plans_from(self, stance: Stance, terrain: TerrainMap) -> PlanSequence | Blocked | None:
         machine, gait, crab_angle = self._run.machine, self._run.gait, self._state.crab_angle
         if self.wanted == "sit":
             return sit(stance, terrain, machine, gait)
@@ -138,17 +139,17 @@ class PostureController:
         if self._choosing is None:
             x, y, _, yaw = stance.body
             goal = self._layout(Placement((x, y, yaw), terrain.height_at, crab_angle))
-            self._choosing = regroup(stance, goal, terrain, machine, gait, crab_angle)
+            self._choosing = return_to_nominal(stance, goal, terrain, machine, gait, crab_angle)
         return self._choose_on(self._choosing)
 
-    def _choose_on(self, choosing: Choosing) -> Poses | Blocked | None:
+    def _choose_on(self, choosing: SequenceJob) -> PlanSequence | Blocked | None:
         """Some more of the search for the order of the legs; None while it goes on."""
         try:
             for _ in range(self._run.config.planning.slices_wanted):
                 next(choosing)
         except StopIteration as done:
             self._choosing = None
-            answer: Poses | Blocked = done.value
+            answer: PlanSequence | Blocked = done.value
             return answer
         return None
 

@@ -32,9 +32,9 @@ from ..geometry.paths import Box
 from ..geometry.transforms import direction
 from ..motion.body_tilt import (
     LEVEL,
-    Frame,
+    FrameCache,
     Lean,
-    Shears,
+    ShearedFrame,
     approached,
     in_body,
     leaned,
@@ -90,7 +90,7 @@ class SlopeAdaptation:
         self.gait = gait
         self.attitude = attitude
         self._planner_for = planner_for
-        self._shears = Shears()
+        self._shears = FrameCache()
         self._slope = LEVEL  # that the present strides are fitted to
         # share of the lean it would take on this slope: less after steps with it that stood on an
         # edge
@@ -115,12 +115,12 @@ class SlopeAdaptation:
         # feet where the shorter strides do not want them
         return (yield from self._planner_for(self.machine)(stance, command, terrain))
 
-    def _planned(self, frame: Frame, command: Command) -> PlanningJob:
+    def _planned(self, frame: ShearedFrame, command: Command) -> PlanningJob:
         return self._planner_for(frame.machine)(frame.stance, command, frame.terrain)
 
     def frame(
         self, stance: Stance, command: Command, terrain: TerrainMap, may_lean: bool = True
-    ) -> Frame:
+    ) -> ShearedFrame:
         """The lean of the next step, and the frame it is planned in."""
         slope = self._slope_known(slope_under(stance, command, terrain, self.machine))
         lean = self._next_lean(stance, command, slope) if may_lean else LEVEL

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..geometry.transforms import direction
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
 from ..types import Point
@@ -22,8 +23,10 @@ def ground_ahead(left: Point, right: Point, ux: float, uy: float) -> tuple[float
     Interpolated by the line's own parameter, not by x as printed: the feet may be level in x. A
     course that does not pass between the feet takes their mean, at the nearer one's distance.
     """
-    left_across, right_across = ux * left[1] - uy * left[0], ux * right[1] - uy * right[0]
-    left_along, right_along = ux * left[0] + uy * left[1], ux * right[0] + uy * right[1]
+    left_across = ux * left[1] - uy * left[0]
+    right_across = ux * right[1] - uy * right[0]
+    left_along = ux * left[0] + uy * left[1]
+    right_along = ux * right[0] + uy * right[1]
     spread = left_across - right_across
     w = left_across / spread if abs(spread) > 1e-9 else -1.0
     if not 0.0 <= w <= 1.0:
@@ -69,14 +72,25 @@ def torso_needs_exactly(
     """As ``torso_needs`` with the turned rectangle itself, sampled at half the map's spacing; about
     ten times slower.
     """
-    half_length, half_width = machine.torso[0] / 2, machine.torso[1] / 2
+    half_length = machine.torso[0] / 2
+    half_width = machine.torso[1] / 2
     along = np.linspace(-half_length, half_length, math.ceil(4 * half_length / terrain.cell) + 1)
     across = np.linspace(-half_width, half_width, math.ceil(4 * half_width / terrain.cell) + 1)
     px, py = (grid.ravel() for grid in np.meshgrid(along, across))
-    c, s = math.cos(yaw), math.sin(yaw)
+    c, s = direction(yaw)
     columns = np.floor((x + c * px - s * py - terrain.origin[0]) / terrain.cell).astype(np.int64)
     rows = np.floor((y + s * px + c * py - terrain.origin[1]) / terrain.cell).astype(np.int64)
     inside = (columns >= 0) & (columns < terrain.columns) & (rows >= 0) & (rows < terrain.rows)
     heights = terrain.heights[rows[inside], columns[inside]]
     solid = heights[~np.isnan(heights)]
     return (float(solid.max()) if solid.size else -math.inf) + machine.torso[2] / 2 + CLEARANCE
+
+
+def torso_clearance(
+    terrain: TerrainMap, machine: Machine, x: float, y: float, yaw: float, height: float = -math.inf
+) -> float:
+    """Lowest CoG at which the torso at (x, y, yaw) clears the ground, m; looked at exactly only
+    where the quick look wants more than ``height``.
+    """
+    needs = torso_needs(terrain, machine, x, y, yaw)
+    return needs if needs <= height else torso_needs_exactly(terrain, machine, x, y, yaw)

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..geometry.transforms import attitude_of, rotation, turned_back, turned_back_by
+from ..geometry.transforms import attitude_of, direction, rotation, turned_back, turned_back_by
 from ..robot.model import Leg, Machine
 from ..stability import polygon_margin, support_polygon
 from ..terrain.map import TerrainMap
@@ -31,7 +31,7 @@ WINDOW, REACHES, MARK = 5.0, 7.0, 1.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Frame:
+class ShearedFrame:
     """What planning sees: stance and map with the lean taken out, and the machine that fits there."""
 
     stance: Stance
@@ -45,8 +45,10 @@ class Frame:
         """A plan of this frame as it is walked from ``before``."""
         if self.lean == before.lean == LEVEL:
             return plan
-        (gx, gy), (ax, ay) = self.lean, self.anchor
-        body, feet = plan.body.copy(), plan.feet.copy()
+        gx, gy = self.lean
+        ax, ay = self.anchor
+        body = plan.body.copy()
+        feet = plan.feet.copy()
         for table in (body, feet):
             table[..., 2] += gx * (table[..., 0] - ax) + gy * (table[..., 1] - ay)
         standing = [leg for leg in range(len(before.feet)) if leg not in plan.swing]
@@ -72,38 +74,29 @@ class Frame:
         """
         x, y, z = self._raised(foot)
         height = self.ground.height_at(x, y)
-        return (
-            x,
-            y,
-            height
-            if abs(height - z) <= self.ground.cell * (abs(self.lean[0]) + abs(self.lean[1]))
-            else z,
-        )
+        most = self.ground.cell * (abs(self.lean[0]) + abs(self.lean[1]))
+        return x, y, height if abs(height - z) <= most else z
 
     def _raised(self, point: Point) -> Point:
         x, y, z = point
         return x, y, z + self.lean[0] * (x - self.anchor[0]) + self.lean[1] * (y - self.anchor[1])
 
 
-class Shears:
-    """Maps with a lean taken out: the last one is kept, for a walk asks for the same many times."""
+class FrameCache:
+    """Sheared frames; the last map is kept, for a walk asks for the same many times."""
 
     def __init__(self) -> None:
         self._kept: tuple[TerrainMap, Lean, tuple[float, float], TerrainMap] | None = None
 
-    def frame(self, stance: Stance, terrain: TerrainMap, machine: Machine, lean: Lean) -> Frame:
+    def frame(
+        self, stance: Stance, terrain: TerrainMap, machine: Machine, lean: Lean
+    ) -> ShearedFrame:
         """Stance and map with ``lean`` taken out; both themselves when there is none."""
         if lean == LEVEL:
-            return Frame(
-                stance if stance.lean == lean else replace(stance, lean=lean),
-                terrain,
-                machine,
-                lean,
-                LEVEL,
-                terrain,
-            )
+            level = stance if stance.lean == lean else replace(stance, lean=lean)
+            return ShearedFrame(level, terrain, machine, lean, LEVEL, terrain)
         anchor = rounded(stance.body[0], MARK), rounded(stance.body[1], MARK)
-        return Frame(
+        return ShearedFrame(
             unleaned(stance, lean, anchor),
             self._map(terrain, lean, anchor, window_of(machine)),
             machine,
@@ -125,7 +118,8 @@ def unleaned(
     stance: Stance, lean: Lean | None = None, anchor: tuple[float, float] = (0.0, 0.0)
 ) -> Stance:
     """The stance with a lean (its own, when none is given) taken out of its heights."""
-    (gx, gy), (ax, ay) = lean or stance.lean, anchor
+    gx, gy = lean or stance.lean
+    ax, ay = anchor
     feet = tuple((x, y, z - gx * (x - ax) - gy * (y - ay)) for x, y, z in stance.feet)
     x, y, z, yaw = stance.body
     return replace(
@@ -133,12 +127,12 @@ def unleaned(
     )
 
 
-def leaning(stance: Stance, terrain: TerrainMap, machine: Machine) -> Frame:
+def leaning(stance: Stance, terrain: TerrainMap, machine: Machine) -> ShearedFrame:
     """The frame of the present lean, every leg with as much of its own reach as it has there: for
     motions of single feet.
     """
     if stance.lean == LEVEL:
-        return Frame(stance, terrain, machine, stance.lean, LEVEL, terrain)
+        return ShearedFrame(stance, terrain, machine, stance.lean, LEVEL, terrain)
     cosine, boxes = reaches(machine, [in_body(stance.lean, stance.body[3])], *machine.z_range)
     legs = tuple(
         Leg(
@@ -149,7 +143,7 @@ def leaning(stance: Stance, terrain: TerrainMap, machine: Machine) -> Frame:
         )
         for leg, box in zip(machine.legs, boxes, strict=True)
     )
-    return Shears().frame(stance, terrain, replace(machine, legs=legs), stance.lean)
+    return FrameCache().frame(stance, terrain, replace(machine, legs=legs), stance.lean)
 
 
 def approached(lean: Lean, target: Lean) -> Lean:
@@ -218,15 +212,10 @@ def sheared(
     """The map within ``window`` of ``anchor`` with the lean taken out of its heights; the window
     keeps its place in the grid.
     """
-    cell, (ox, oy) = terrain.cell, terrain.origin
-    c0, c1 = (
-        max(0, min(terrain.columns, round((anchor[0] + side - ox) / cell)))
-        for side in (-window, window)
-    )
-    r0, r1 = (
-        max(0, min(terrain.rows, round((anchor[1] + side - oy) / cell)))
-        for side in (-window, window)
-    )
+    cell = terrain.cell
+    ox, oy = terrain.origin
+    c0, c1 = _cells_around(anchor[0], window, ox, cell, terrain.columns)
+    r0, r1 = _cells_around(anchor[1], window, oy, cell, terrain.rows)
     cut = slice(r0, r1), slice(c0, c1)
     x = ox + (np.arange(c0, c1) + 0.5) * cell - anchor[0]
     y = oy + (np.arange(r0, r1) + 0.5) * cell - anchor[1]
@@ -240,6 +229,14 @@ def sheared(
         terrain.foot_radius,
         known,
     )
+
+
+def _cells_around(
+    place: float, reach: float, origin: float, cell: float, count: int
+) -> tuple[int, int]:
+    """The first cell within reach of a place along one axis, m, and the first beyond."""
+    low, high = (round((place + side - origin) / cell) for side in (-reach, reach))
+    return max(0, min(count, low)), max(0, min(count, high))
 
 
 def in_body(gradient: Lean, yaw: float) -> Lean:
@@ -258,7 +255,8 @@ def reaches(
     largest = 0.0
     for lean in leans:
         roll, pitch = attitude_of(lean, 0.0)
-        cp, sp, cr, sr = math.cos(pitch), math.sin(pitch), math.cos(roll), math.sin(roll)
+        cp, sp = direction(pitch)
+        cr, sr = direction(roll)
         largest = max(largest, cp * cr)
         for leg, spec in enumerate(machine.legs):
             aside = [sp * sr * y + sp * cr * z for y in spec.y for z in (bottom, top)]

@@ -15,7 +15,8 @@ from dataclasses import replace
 import numpy as np
 
 from walking_console.planner.initial_stance import Placement
-from walking_console.planner.motion.postures import height_limits, regroup, standing_height
+from walking_console.planner.motion.postures import height_limits, standing_height
+from walking_console.planner.motion.return_to_nominal import return_to_nominal
 from walking_console.planner.protocols import run_to_completion
 from walking_console.planner.registry import initial_stance
 from walking_console.planner.robot.model import Machine, load_machine
@@ -85,7 +86,7 @@ def random_stance(
                 body=(
                     0.0,
                     0.0,
-                    standing_height(stance, feet, terrain, machine, gait, (0.0, 0.0, yaw)),
+                    standing_height(feet, terrain, machine, gait, (0.0, 0.0, yaw)),
                     yaw,
                 ),
             )
@@ -115,7 +116,7 @@ def row(name: str, kind: str, count: int) -> str:
         )
         terrain.crest_between(0.0, 0.0, 0.1, 0.0)  # a walk's map has its crests long since
         begun = time.process_time()
-        plans = run_to_completion(regroup(stance, goal, terrain, machine, gait, angle))
+        plans = run_to_completion(return_to_nominal(stance, goal, terrain, machine, gait, angle))
         thought.append(time.process_time() - begun)
         if isinstance(plans, Blocked):
             stuck += 1

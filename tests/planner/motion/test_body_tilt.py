@@ -18,7 +18,7 @@ from walking_console.planner.geometry.transforms import attitude_of, rotation
 from walking_console.planner.motion.body_tilt import (
     LEAN_STEP,
     LEVEL,
-    Shears,
+    FrameCache,
     approached,
     leaned,
     leaning,
@@ -124,7 +124,7 @@ def test_a_plan_comes_back_from_the_frame_with_standing_feet_untouched() -> None
 
 def test_a_level_frame_hands_everything_on_as_it_is() -> None:
     stance, terrain = replace(STANCE, lean=LEVEL), inclined(0.1, 0.0)
-    frame = Shears().frame(stance, terrain, TITAN, LEVEL)
+    frame = FrameCache().frame(stance, terrain, TITAN, LEVEL)
     assert (
         frame.stance is stance
         and frame.terrain is terrain
