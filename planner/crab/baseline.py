@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from ..geometry.paths import line_exit
 from ..robot.model import Machine
+from ..terrain.cells import foothold_map
 from ..terrain.map import TerrainMap
 from ..types import Blocked, Command, Gait, Reason, Stance, StepPlan
 from .decision_log import DecisionLog, StepRefusal
 from .foothold_checks import FootholdChecks
-from .foothold_search import foothold_map
 from .gait import SUCCESSOR, NominalGait, Posture, nominal_gait, posture_of
 from .leg_selection import exits_of, planned_margin, shift_of
 from .step_plans import build

@@ -12,11 +12,11 @@ from typing import NamedTuple
 from ..geometry.paths import Box, line_exit
 from ..geometry.polygons import XY, inside_of, nearest_of
 from ..robot.model import Machine
+from ..terrain.cells import FootholdMap, foothold_map
 from ..terrain.map import TerrainMap
 from ..types import Gait, Stance
 from .decision_log import StepRefusal
 from .foothold_checks import FootholdChecks
-from .foothold_search import FootholdMap, foothold_map
 from .gait import IS_FRONT, NominalGait, Posture
 from .leg_selection import (
     STANDING_LEG,

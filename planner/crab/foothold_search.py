@@ -14,7 +14,7 @@ from typing import NamedTuple
 from ..geometry.paths import Box, line_exit
 from ..geometry.polygons import clipped, nearest_of
 from ..stability import XY
-from ..terrain.map import TerrainMap
+from ..terrain.cells import FootholdMap, outward, span_of
 from .decision_log import DecisionLog, StepRefusal, note_cell
 from .gait import FRONT_ACROSS, IS_FRONT, IS_LEFT, PREDECESSOR, REAR_ACROSS, NominalGait, Posture
 from .steps import Landing
@@ -26,27 +26,6 @@ OUT_OF_REACH = StepRefusal.OUT_OF_REACH
 METHOD_I = StepRefusal.METHOD_I
 METHOD_II = StepRefusal.METHOD_II
 METHOD_III = StepRefusal.METHOD_III
-
-
-class FootholdMap(NamedTuple):
-    """What landing asks of the map: one byte a cell, 1 where a foot must not land."""
-
-    forbidden: bytes
-    rows: int
-    columns: int
-    cell: float
-    x: float  # corner of cell [0, 0]
-    y: float
-
-    def allows(self, ax: float, ay: float) -> bool:
-        """True when the cell under an absolute point is on the map and not prohibited."""
-        column = math.floor((ax - self.x) / self.cell)
-        row = math.floor((ay - self.y) / self.cell)
-        return (
-            0 <= column < self.columns
-            and 0 <= row < self.rows
-            and not self.forbidden[row * self.columns + column]
-        )
 
 
 class Domain(NamedTuple):
@@ -99,18 +78,6 @@ class Domain(NamedTuple):
         if crossing < self.least - NEAR:
             return METHOD_II  # H §5.3.2
         return None
-
-
-def foothold_map(terrain: TerrainMap) -> FootholdMap:
-    """The landing view of a map."""
-    return FootholdMap(
-        terrain.forbidden_bytes,
-        terrain.rows,
-        terrain.columns,
-        terrain.cell,
-        terrain.origin[0],
-        terrain.origin[1],
-    )
 
 
 def domain_of(
@@ -310,9 +277,9 @@ def cells_from(
     s = posture.s
     refuses = domain.refuses
     first = math.floor(a0)
-    for row in _outward(first, *ahead, -forward):
+    for row in outward(first, *ahead, -forward):
         middle = math.floor(b0 if row == first else b0 + slope * (row + 0.5 - a0))
-        for place in _outward(middle, *beside, 1):
+        for place in outward(middle, *beside, 1):
             column, line = (row, place) if lengthwise else (place, row)
             prohibited = forbidden[line * columns + column]
             if prohibited and trial is None:
@@ -347,8 +314,8 @@ def _rows(posture: Posture, domain: Domain, start: XY, cells: FootholdMap) -> Ce
     hy = (y2 - y1) / 2
     half_x = abs(c) * hx + abs(s) * hy
     half_y = abs(s) * hx + abs(c) * hy
-    along_x = _span(mx - half_x, mx + half_x, ox, cell, columns)
-    along_y = _span(my - half_y, my + half_y, oy, cell, rows)
+    along_x = span_of(mx - half_x, mx + half_x, ox, cell, columns)
+    along_y = span_of(my - half_y, my + half_y, oy, cell, rows)
     # the course in the absolute frame
     vx = c * domain.ux - s * domain.uy
     vy = s * domain.ux + c * domain.uy
@@ -357,24 +324,3 @@ def _rows(posture: Posture, domain: Domain, start: XY, cells: FootholdMap) -> Ce
     if abs(vx) >= abs(vy):
         return True, along_x, along_y, a0, b0, vy / vx, 1 if vx > 0.0 else -1
     return False, along_y, along_x, b0, a0, vx / vy, 1 if vy > 0.0 else -1
-
-
-def _span(low: float, high: float, origin: float, cell: float, count: int) -> tuple[int, int]:
-    """First and last cell whose centre lies in [low, high], cut to the map."""
-    return max(0, math.ceil((low - origin) / cell - 0.5 - 1e-9)), min(
-        count - 1, math.floor((high - origin) / cell - 0.5 + 1e-9)
-    )
-
-
-def _outward(middle: int, low: int, high: int, first: int) -> Iterator[int]:
-    """middle, then one to the ``first`` side, one to the other, two to the first ... as far as they
-    are in [low, high].
-    """
-    if low <= middle <= high:
-        yield middle
-    step = 1
-    while middle - step >= low or middle + step <= high:
-        for place in (middle + first * step, middle - first * step):
-            if low <= place <= high:
-                yield place
-        step += 1

@@ -15,8 +15,9 @@ from itertools import chain
 from ..geometry.paths import arc_exit, line_exit
 from ..geometry.transforms import direction
 from ..stability import Polygon, stable_interval, stable_on_arc, support_polygon
+from ..terrain.cells import FootholdMap
 from .decision_log import DecisionLog, StepRefusal, note_cell, note_leg, note_reason
-from .foothold_search import FootholdMap, domain_of, landings
+from .foothold_search import domain_of, landings
 from .gait import AGREEMENT, IS_FRONT, OTHERS, SUCCESSOR, NominalGait, Posture
 from .steps import BodyShift, Exits, Landing, Shift, SwingStep
 

@@ -5,11 +5,11 @@ clock (H §3, §5-§7).
 from __future__ import annotations
 
 from ..robot.model import Machine
+from ..terrain.cells import foothold_map
 from ..terrain.map import TerrainMap
 from ..types import Blocked, Command, Gait, Reason, Stance, StepPlan
 from .decision_log import DecisionLog, reasons_of
 from .foothold_checks import FootholdChecks
-from .foothold_search import foothold_map
 from .gait import nominal_gait, posture_of
 from .leg_selection import decide
 from .step_plans import swing_plan

@@ -70,15 +70,12 @@ def build(
     rows, phases = knots(clock, profile_of(checks.gait), way, step.g0, corners)
     if log is not None:
         log["domain"] = searched(nominal, posture, step)
-    feet = list(stance.feet)
-    feet[leg] = landing
-    course = stance.course + step.g
     return plan_of_one_foot(
         stance,
         leg,
         rows,
         phases,
-        Stance(way.end, tuple(feet), leg, nominal.quarter_turns, (), course),
+        _end_of(checks, step, landing, way),
         crab_angle=nominal.course,
         support_shift=step.g0,
         shift=step.g,
@@ -90,6 +87,15 @@ def build(
         landing=landing,
         decision=log,
     )
+
+
+def _end_of(checks: FootholdChecks, step: SwingStep, landing: Point, way: BodyWay) -> Stance:
+    nominal = checks.nominal
+    leg = nominal.body_leg[step.leg]
+    feet = list(checks.stance.feet)
+    feet[leg] = landing
+    course = checks.stance.course + step.g
+    return Stance(way.end, tuple(feet), leg, nominal.quarter_turns, (), course)
 
 
 def _corners_of(

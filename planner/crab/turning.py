@@ -13,7 +13,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import lru_cache
 from typing import Any, NamedTuple
 
 from ..geometry.paths import arc_exit, arc_of_command
@@ -23,12 +22,13 @@ from ..protocols import PlanningJob, run_to_completion
 from ..robot.model import Machine
 from ..search import Branch, Option, Search, beam, firsts, uninterruptible
 from ..stability import XY, polygon_margin, support_polygon
+from ..terrain.cells import FootholdMap, disc_of, foothold_map
 from ..terrain.map import TerrainMap
 from ..types import Blocked, Command, Gait, Reason, Stance, StepPlan
 from .candidates import shift_room
 from .decision_log import DecisionLog, StepRefusal, note_cell, note_leg, note_reason, note_search
 from .foothold_checks import FootholdChecks
-from .foothold_search import FootholdMap, foothold_map, phase_point
+from .foothold_search import phase_point
 from .gait import NominalGait, Posture, nominal_gait_on, posture_of
 from .leg_selection import (
     SLACK,
@@ -280,7 +280,7 @@ class TurnSearch:
         forbidden, rows, columns, cell, ox, oy = self.cells
         column = math.floor((around[0] - ox) / cell)
         row = math.floor((around[1] - oy) / cell)
-        for dc, dr, away in _ring(cell):
+        for dc, dr, away in disc_of(cell, FAR_ENOUGH):
             i, j = column + dc, row + dr
             if not (0 <= i < columns and 0 <= j < rows):
                 continue
@@ -315,19 +315,6 @@ class TurnSearch:
                     if math.hypot(*to) >= SHIFT_MIN:
                         return to
         return None
-
-
-@lru_cache(maxsize=16)
-def _ring(cell: float) -> tuple[tuple[int, int, float], ...]:
-    """Columns and rows away from a cell, and how far, from the nearest on."""
-    count = math.floor(FAR_ENOUGH / cell)
-    steps = [
-        (c, r, math.hypot(c, r) * cell)
-        for c in range(-count, count + 1)
-        for r in range(-count, count + 1)
-    ]
-    near = (step for step in steps if step[2] <= FAR_ENOUGH)
-    return tuple(sorted(near, key=lambda step: (step[2], step)))
 
 
 # the step that is taken

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 
 from ..geometry.paths import Box
+from ..geometry.transforms import direction
 from ..robot.model import Machine
 
 # m of reach kept beyond the strokes for vertical lifting while the body moves; less and v_max
@@ -23,7 +24,7 @@ Boxes = tuple[Box, ...]
 
 def stroke_length(x_span: float, y_span: float, crab_angle: float) -> float:
     """λ*, the longest stroke through the middle of a reach rectangle (H §4.3 (1))."""
-    c, s = abs(math.cos(crab_angle)), abs(math.sin(crab_angle))
+    c, s = map(abs, direction(crab_angle))
     along_x = x_span / c if c > 1e-12 else math.inf
     along_y = y_span / s if s > 1e-12 else math.inf
     return min(along_x, along_y)

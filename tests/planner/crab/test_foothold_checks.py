@@ -6,11 +6,11 @@ import pytest
 from tests.planner.crab.crab_walks import TITAN, Blocked, command, gait, holes, relief, walk
 from walking_console.planner.crab.decision_log import StepRefusal
 from walking_console.planner.crab.foothold_checks import FootholdChecks
-from walking_console.planner.crab.foothold_search import foothold_map
 from walking_console.planner.crab.gait import nominal_gait, posture_of, standard_stance
 from walking_console.planner.crab.leg_selection import decide
 from walking_console.planner.crab.planner import plan_step
 from walking_console.planner.crab.steps import Shift
+from walking_console.planner.terrain.cells import foothold_map
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.terrain.traversability import classify
 

@@ -7,9 +7,7 @@ import pytest
 
 from tests.planner.crab.crab_walks import TITAN, Blocked, command, gait, holes, random_stance, walk
 from walking_console.planner.crab.foothold_search import (
-    FootholdMap,
     domain_of,
-    foothold_map,
     landings,
     nearest_in,
     phase_point,
@@ -26,6 +24,7 @@ from walking_console.planner.crab.gait import (
 from walking_console.planner.crab.leg_selection import exits_of, shift_of
 from walking_console.planner.crab.steps import Shift
 from walking_console.planner.geometry.paths import line_exit
+from walking_console.planner.terrain.cells import foothold_map
 
 REACH = TITAN.reach
 # folded already: canonical legs are the body's
@@ -228,16 +227,6 @@ def test_a_domain_may_be_empty():
     )
     assert nearest_in(domain, 0.0, 0.0) is None
     assert list(landings(nominal, posture, domain, (0.0,) * 4, foothold_map(holes()))) == []
-
-
-def test_off_the_map_nothing_is_allowed():
-    ground = FootholdMap(b"\x00" * 4, 2, 2, 0.1, 0.0, 0.0)
-    assert ground.allows(0.05, 0.15)
-    assert (
-        not ground.allows(-0.01, 0.05)
-        and not ground.allows(0.05, 0.2)
-        and not ground.allows(1e9, 0.0)
-    )
 
 
 def test_own_exit_is_what_method_1_compares_with():

@@ -7,7 +7,6 @@ import pytest
 
 from tests.planner.crab.crab_walks import TITAN, Blocked, command, gait, holes, random_stance, walk
 from walking_console.planner.crab.decision_log import StepRefusal
-from walking_console.planner.crab.foothold_search import foothold_map
 from walking_console.planner.crab.gait import (
     IS_FRONT,
     SUCCESSOR,
@@ -27,6 +26,7 @@ from walking_console.planner.crab.leg_selection import (
     return_length,
     shift_of,
 )
+from walking_console.planner.terrain.cells import foothold_map
 
 AHEAD = nominal_gait(TITAN, gait(), 0.0)
 
