@@ -304,8 +304,137 @@ def test_space_stops_for_everybody_until_it_is_released(address: str, page: Page
     until(page, lambda: page.locator("#toast").is_visible())
     assert now(address)["speed_m_s"] == 0.0
     page.keyboard.up("w")
+    page.wait_for_timeout(1000)  # a second tap in fright would not have released it
     page.click("#stop")
     until(page, lambda: not now(address)["stopped"])
+
+
+class Fingers:
+    """Fingers on a screen, each by its number."""
+
+    def __init__(self, page: Page) -> None:
+        self.page = page
+        self.cdp = page.context.new_cdp_session(page)
+        self.down: dict[int, tuple[float, float]] = {}
+
+    def middle(self, selector: str) -> tuple[float, float]:
+        box = self.page.locator(selector).bounding_box()
+        assert box is not None
+        return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+    def press(self, finger: int, x: float, y: float) -> None:
+        self.down[finger] = (x, y)
+        self._tell("touchStart", self.down)
+
+    def move(self, finger: int, x: float, y: float) -> None:
+        self.down[finger] = (x, y)
+        self._tell("touchMove", self.down)
+
+    def lift(self, finger: int) -> None:
+        self._tell("touchEnd", {finger: self.down.pop(finger)})  # only those that end
+
+    def tap(self, finger: int, selector: str) -> None:
+        self.press(finger, *self.middle(selector))
+        self.lift(finger)
+
+    def _tell(self, kind: str, fingers: dict[int, tuple[float, float]]) -> None:
+        points = [{"id": finger, "x": x, "y": y} for finger, (x, y) in fingers.items()]
+        self.cdp.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+
+@pytest.fixture
+def phone(address: str, browser: Browser) -> Iterator[Page]:
+    """The console on a phone held sideways."""
+    tell(address, "reset")
+    context = browser.new_context(
+        viewport={"width": 844, "height": 390}, has_touch=True, is_mobile=True
+    )
+    page = context.new_page()
+    page.goto(address)
+    page.wait_for_selector("body.live")
+    if page.locator("#take").is_visible():
+        page.tap("#take")
+    yield page
+    context.close()
+
+
+@pytest.fixture
+def fingers(address: str, phone: Page) -> Iterator[Fingers]:
+    """Fingers on that phone, the first of them driving ahead."""
+    found = Fingers(phone)
+    x, y = found.middle("#stick")
+    found.press(0, x, y)
+    found.move(0, x, y - 60)
+    until(phone, lambda: now(address)["walked_m_s"] > 0.0)
+    yield found
+    if 0 in found.down:
+        found.lift(0)
+
+
+def test_a_second_finger_stops_while_the_first_drives(
+    address: str, phone: Page, fingers: Fingers
+) -> None:
+    fingers.press(1, *fingers.middle("#stop"))
+    until(phone, lambda: now(address)["stopped"])  # on the press, before it is lifted
+    fingers.lift(1)
+    phone.wait_for_timeout(300)
+    assert now(address)["stopped"] and now(address)["speed_m_s"] == 0.0
+    fingers.lift(0)
+    fingers.tap(1, "#stop")
+    until(phone, lambda: not now(address)["stopped"])
+
+
+def test_two_quick_taps_on_stop_stop_and_do_not_release(address: str, page: Page) -> None:
+    page.dblclick("#stop")
+    until(page, lambda: now(address)["stopped"])
+    page.wait_for_timeout(1000)
+    assert now(address)["stopped"]
+    page.click("#stop")
+    until(page, lambda: not now(address)["stopped"])
+
+
+def test_every_control_acts_under_a_second_finger(
+    address: str, phone: Page, fingers: Fingers
+) -> None:
+    fingers.tap(1, "#pause")
+    until(phone, lambda: phone.locator("#pause[aria-pressed=true]").count() == 1)
+    assert now(address)["paused"]
+    fingers.tap(1, "#pause")
+    until(phone, lambda: not now(address)["paused"])
+    fingers.tap(1, "[data-rate='2']")
+    until(phone, lambda: now(address)["rate"] == 2.0)
+    fingers.tap(1, "[data-rate='1']")
+    until(phone, lambda: now(address)["rate"] == 1.0)
+    fingers.tap(1, "#view-button")
+    until(phone, lambda: phone.locator("#view-menu").is_visible())
+    reach = phone.locator("[data-layer=Reach]")
+    fingers.tap(1, "[data-layer=Reach]")
+    until(phone, reach.is_checked)
+    fingers.tap(1, "#view-button")
+    fingers.tap(1, "[data-posture=sit]")
+    until(phone, lambda: now(address)["mode"] in ("sit_down", "sit"))
+
+
+def test_a_second_finger_turns_while_the_first_drives(
+    address: str, phone: Page, fingers: Fingers
+) -> None:
+    x, y = fingers.middle("#turn-slider")
+    fingers.press(1, x, y)
+    fingers.move(1, x - 40, y)
+    until(phone, lambda: now(address)["turn_rate_rad_s"] > 0.0)
+    assert now(address)["speed_m_s"] > 0.0
+    fingers.lift(1)
+    until(phone, lambda: now(address)["turn_rate_rad_s"] == 0.0)
+
+
+def test_one_press_acts_once(address: str, page: Page) -> None:
+    page.click("#pause")
+    until(page, lambda: page.locator("#pause[aria-pressed=true]").count() == 1)
+    page.wait_for_timeout(500)
+    assert now(address)["paused"]
+    page.locator("#pause").focus()
+    page.keyboard.press("Enter")
+    until(page, lambda: not now(address)["paused"])
 
 
 def test_closing_the_page_stops_the_machine(address: str, page: Page, browser: Browser) -> None:

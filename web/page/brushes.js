@@ -3,6 +3,7 @@
 /** @import {ViserFrame} from "./viser_frame.js" */
 
 import { button, buttons, div, input, mark } from "./dom.js";
+import { onPress } from "./press.js";
 import { keep, saved } from "./settings.js";
 
 const FIRST = "dig";
@@ -14,9 +15,9 @@ export class Brushes {
     this.bar = div("brushes");
     this.opener = button("brush-button");
     this.brushes = buttons("[data-brush]");
-    this.opener.addEventListener("click", () => this.toggle());
+    onPress(this.opener, () => this.toggle());
     for (const one of this.brushes) {
-      one.addEventListener("click", () => {
+      onPress(one, () => {
         keep({ brush: one.dataset.brush });
         this.#take(one.dataset.brush ?? FIRST);
       });

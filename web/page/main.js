@@ -13,6 +13,7 @@ import { listenToKeys } from "./keyboard.js";
 import { NO_LEASE, refusalText, showLease } from "./lease_view.js";
 import { takeStyle } from "./machine_style.js";
 import { PostureControls } from "./posture_controls.js";
+import { letEveryFingerClick, onPress } from "./press.js";
 import { degrees, drawTicks, showReadouts } from "./readouts.js";
 import { keep, saved } from "./settings.js";
 import { say, showBanner, showLink } from "./status.js";
@@ -23,6 +24,7 @@ import { WorldControls } from "./world_controls.js";
 
 const ALIVE = 100; // ms between signs of life to the worker
 const TURN_FULL = 0.15; // rad/s at full turn
+const STOP_HOLDS = 800; // ms after a stop in which nothing here releases it
 const SPEED_FIRST = "0.12"; // m/s at full stick, until somebody chooses
 
 /** @type {SnapshotFrame | null} */
@@ -30,6 +32,7 @@ let newest = null;
 let lease = { ...NO_LEASE };
 let ours = ""; // this page's name in the lease
 let linked = false;
+let stoppedAt = -Infinity; // ms, by this page
 
 const link = new DriveLink({ link: linkChanged, frame: hear });
 const scene = new ViserFrame();
@@ -70,14 +73,16 @@ function letGo() {
 }
 
 function stop() {
+  stoppedAt = performance.now();
   stick.letGo();
   link.stop();
   if (!linked) order(say, "POST", "console/stop");
 }
 
+/** The second tap of a hand in fright does not release what its first has stopped. */
 function stopOrRelease() {
-  if (lease.stopped) link.rearm();
-  else stop();
+  if (!lease.stopped) stop();
+  else if (performance.now() - stoppedAt > STOP_HOLDS) link.rearm();
 }
 
 /** @param {Posture} posture */
@@ -138,17 +143,18 @@ const SHORTCUTS = {
 };
 
 function wireButtons() {
-  button("stop").addEventListener("click", stopOrRelease);
-  button("take").addEventListener("click", () => link.take());
-  button("help-button").addEventListener("click", help);
+  onPress(button("stop"), stopOrRelease);
+  onPress(button("take"), () => link.take());
+  onPress(button("help-button"), help);
   const dialog = element("help", HTMLDialogElement);
   dialog.addEventListener("click", (event) => event.target === dialog && dialog.close());
   for (const tab of buttons(".tab")) {
-    tab.addEventListener("click", () => {
+    onPress(tab, () => {
       keep({ tab: tab.dataset.tab });
       showTab();
     });
   }
+  letEveryFingerClick();
 }
 
 /** The second strip: margins, or for a trace walker its footholds along s. */

@@ -4,6 +4,7 @@
 
 import { order } from "./api.js";
 import { buttons, div, mark } from "./dom.js";
+import { onPress } from "./press.js";
 import { say } from "./status.js";
 
 /** @type {Record<string, Posture>} */
@@ -20,11 +21,11 @@ export class PostureControls {
     /** @type {SnapshotFrame | null} */
     this.newest = null;
     for (const one of this.postures) {
-      one.addEventListener("click", () => pose(/** @type {Posture} */ (one.dataset.posture)));
+      onPress(one, () => pose(/** @type {Posture} */ (one.dataset.posture)));
     }
     for (const one of this.attitudes) {
       const attitude = /** @type {Attitude} */ (one.dataset.attitude);
-      one.addEventListener("click", () => takeAttitude(attitude));
+      onPress(one, () => takeAttitude(attitude));
     }
   }
 

@@ -4,6 +4,7 @@
 /** @import {ViserFrame} from "./viser_frame.js" */
 
 import { button, div, input } from "./dom.js";
+import { onPress } from "./press.js";
 import { keep, saved } from "./settings.js";
 
 const WIDE = 700; // px from which on the strips are shown at first
@@ -18,9 +19,9 @@ export class ViewMenu {
     this.series = series;
     this.menu = div("view-menu");
     this.opener = button("view-button");
-    this.opener.addEventListener("click", () => this.toggle());
+    onPress(this.opener, () => this.toggle());
     document.addEventListener("pointerdown", (event) => this.#closeOutside(event));
-    button("home").addEventListener("click", () => scene.home());
+    onPress(button("home"), () => scene.home());
     for (const box of document.querySelectorAll("[data-layer]")) {
       if (box instanceof HTMLInputElement) this.#wireLayer(box);
     }

@@ -4,6 +4,7 @@
 
 import { ask, order } from "./api.js";
 import { button, buttons, element, mark } from "./dom.js";
+import { onPress } from "./press.js";
 import { say } from "./status.js";
 
 const ADVANCE_TICKS = 25; // half a second
@@ -26,12 +27,10 @@ export class WorldControls {
     this.scenario.addEventListener("change", () => this.#load({ name: this.scenario.value }));
     this.robot.addEventListener("change", () => this.#loadAgain({}));
     this.mode.addEventListener("change", () => this.#loadAgain({ mode: this.mode.value }));
-    button("pause").addEventListener("click", () => this.pauseOrGo());
-    button("advance").addEventListener("click", () => this.advance());
-    button("reset").addEventListener("click", () => this.reset());
-    for (const one of this.rates) {
-      one.addEventListener("click", () => this.setRate(Number(one.dataset.rate)));
-    }
+    onPress(button("pause"), () => this.pauseOrGo());
+    onPress(button("advance"), () => this.advance());
+    onPress(button("reset"), () => this.reset());
+    for (const one of this.rates) onPress(one, () => this.setRate(Number(one.dataset.rate)));
   }
 
   /**
