@@ -384,6 +384,23 @@ def test_a_second_finger_stops_while_the_first_drives(
     until(phone, lambda: not now(address)["stopped"])
 
 
+@pytest.mark.parametrize("focused", ["#scenario", "#pause", "#wide-brush", "#help .close"])
+def test_space_stops_wherever_the_focus_is(address: str, page: Page, focused: str) -> None:
+    if focused.startswith("#help"):
+        page.keyboard.press("?")
+    elif focused == "#wide-brush":
+        page.keyboard.press("b")
+    page.locator(focused).focus()
+    page.keyboard.press("Space")
+    until(page, lambda: now(address)["stopped"])
+    assert not now(address)["paused"] and not page.locator("#wide-brush").is_checked()
+    assert page.locator("#help").is_visible() == focused.startswith("#help")
+    page.keyboard.press("Escape")  # closes what is open
+    page.wait_for_timeout(1000)
+    page.click("#stop")
+    until(page, lambda: not now(address)["stopped"])
+
+
 def test_two_quick_taps_on_stop_stop_and_do_not_release(address: str, page: Page) -> None:
     page.dblclick("#stop")
     until(page, lambda: now(address)["stopped"])

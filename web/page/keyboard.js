@@ -1,4 +1,5 @@
-// Keys: held ones drive, the others are shortcuts. The scene's frame hands its own on to this page.
+// Keys: held ones drive, the others are shortcuts, and Space stops. The scene's frame hands its own
+// on to this page. Buttons and switches are worked with Enter, since Space is taken.
 
 /** @import {Joystick} from "./joystick.js" */
 
@@ -26,16 +27,41 @@ const isField = (target) => target instanceof Element && target.matches(FIELDS);
  */
 export function listenToKeys(stick, keys) {
   const help = element("help", HTMLDialogElement);
+  // before any other rule, and before anything else hears of it: lists, dialogs, buttons
+  window.addEventListener("keydown", (event) => stopKey(keys, event), true);
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     if (help.open || isField(event.target)) return;
-    if (press(stick, keys, event)) event.preventDefault();
+    if (switched(event) || press(stick, keys, event)) event.preventDefault();
   });
   document.addEventListener("keyup", (event) => {
     // a focused button must not be pressed by the stop key
     if (event.code === "Space") event.preventDefault();
     stick.lift(event.code, event.shiftKey);
   });
+}
+
+/**
+ * Space stops wherever the focus is.
+ * @param {Keys} keys
+ * @param {KeyboardEvent} event
+ */
+function stopKey(keys, event) {
+  if (event.code !== "Space") return;
+  event.preventDefault();
+  event.stopImmediatePropagation();
+  if (!event.repeat) keys.stop();
+}
+
+/**
+ * Enter works a switch; whether it did.
+ * @param {KeyboardEvent} event
+ */
+function switched({ code, target, repeat }) {
+  const isSwitch = target instanceof HTMLInputElement && target.type === "checkbox";
+  if (code !== "Enter" || !isSwitch) return false;
+  if (!repeat) target.click();
+  return true;
 }
 
 /**
@@ -61,7 +87,7 @@ function press(stick, keys, { code, key, repeat, shiftKey }) {
  * @param {string} key
  */
 function actionOf(keys, code, key) {
-  if (code === "Space" || code === "Escape") return keys.stop;
+  if (code === "Escape") return keys.stop;
   if (key === "?") return keys.help;
   const rate = RATE_KEY.exec(code)?.[1];
   return rate ? () => keys.rate(Number(rate)) : keys.shortcuts[code];
