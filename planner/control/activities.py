@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from enum import Enum
+from enum import Enum, IntEnum, auto
 
 
-class Activity(Enum):
-    """What the walker is at."""
+class Activity(IntEnum):
+    """What the walker is at. (A number, since a name is hashed anew at every look into a table, and
+    it is looked up every tick.)
+    """
 
-    STAND = "stand"
-    STEP = "step"
-    SETTLE = "settle"  # setting feet down after a step that was cut short
-    REFLEX = "reflex"  # an emergent motion of one foot (H §9)
-    HOVER = "hover"  # a foot in the air has no ground to come down on
-    POSTURE = "posture"  # taking a posture on command
+    STAND = auto()
+    STEP = auto()
+    SETTLE = auto()  # setting feet down after a step that was cut short
+    REFLEX = auto()  # an emergent motion of one foot (H §9)
+    HOVER = auto()  # a foot in the air has no ground to come down on
+    POSTURE = auto()  # taking a posture on command
 
 
 class Event(Enum):

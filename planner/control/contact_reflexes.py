@@ -42,9 +42,10 @@ class ContactReflexes:
     def is_surprised(self, now: Now) -> bool:
         """One tick of a plan: begins an encounter when a foot meets what the map does not show."""
         touch = self._feelers.surprise(now.sensing, now.terrain)
-        if touch is not None:
-            self._meet(touch, now)
-        return touch is not None
+        if touch is None:
+            return False
+        self._meet(touch, now)
+        return True
 
     def find_no_ground(self, now: Now) -> float:
         """Case 2: the plan is over and a foot has found no ground. Answers with the time into what

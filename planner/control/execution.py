@@ -79,7 +79,7 @@ class Execution:
 
         A body that waits for its foot is not kept waiting longer by a slower command.
         """
-        plan = self.plan
+        plan = self.tracker.plan
         if plan.speed <= 0.0:
             return 1.0
         wanted = math.hypot(command.speed, self.machine.yaw_length * command.turn_rate)
@@ -144,8 +144,9 @@ class Execution:
     def held_back(self, sensing: Sensing) -> bool:
         """True when the body is not where the plan has it: pushed, slid, or against an obstacle."""
         x, y, _, _ = self.tracker.body_at(self.t)
+        body = sensing.body
         limit = self.tolerances.held_back
-        return abs(x - sensing.body[0]) > limit or abs(y - sensing.body[1]) > limit
+        return abs(x - body[0]) > limit or abs(y - body[1]) > limit
 
     def arrived(self, sensing: Sensing) -> Stance:
         """The stance at N_{k+1}: the plan's end when all went as planned up to this tick, in which

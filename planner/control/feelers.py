@@ -36,14 +36,15 @@ class Feelers:
         foothold is an edge.
         """
         run = self._run
-        for leg in run.plan.swing:
-            phase = run.phase
-            if phase is Phase.RETURN:
+        phase = run.tracker.phase(run.t)
+        if phase is Phase.RETURN:
+            for leg in run.plan.swing:
                 felt = self._felt(leg, sensing, terrain)
                 if felt is not None:
                     return Touch(ContactEvent.HIT, leg, felt)
-            elif phase is Phase.DOWN and sensing.soles[leg] and not run.landed(leg):
-                if hangs_over(leg, sensing):
+        elif phase is Phase.DOWN:
+            for leg in run.plan.swing:
+                if sensing.soles[leg] and hangs_over(leg, sensing) and not run.landed(leg):
                     return Touch(ContactEvent.EDGE, leg, hangs_over_towards(leg, sensing))
         return None
 

@@ -53,33 +53,29 @@ class PlanJob:
         """The next step, once it is planned."""
         return self._ready if isinstance(self._ready, StepPlan) else None
 
-    def consider(self, question: Question, slices: int) -> None:
+    def consider(self, stance: Stance, command: Command, terrain: TerrainMap, slices: int) -> None:
         """Ask for a step unless just that was asked already; plan a little further on it.
 
         While the stick moves a little, or only farther out, a job is finished all the same, and its
         step is kept while the next is begun.
         """
-        if self._begins_with(question):
-            self.asked = question
-            self._job = self.planner.plan(*question)
+        if self._begins_with(stance, command, terrain):
+            self.asked = Question(stance, command, terrain)
+            self._job = self.planner.plan(stance, command, terrain)
             self._ready = None
             self.flags = ASKED
         if self._ready is None:
             self._go_on(slices)
 
-    def _begins_with(self, question: Question) -> bool:
+    def _begins_with(self, stance: Stance, command: Command, terrain: TerrainMap) -> bool:
         """True when a new job is to be begun; what is ready already is kept where it may serve."""
         asked = self.asked
-        if (
-            asked is None
-            or asked.stance is not question.stance
-            or asked.terrain is not question.terrain
-        ):
+        if asked is None or asked.stance is not stance or asked.terrain is not terrain:
             self._spare = None
             return True
-        if asked.command == question.command:
+        if asked.command == command:
             return False
-        if self._ready is None and self.alike(asked.command, question.command):
+        if self._ready is None and self.alike(asked.command, command):
             return False
         if isinstance(self._ready, StepPlan):
             self._spare = asked.command, self._ready
@@ -98,14 +94,16 @@ class PlanJob:
             return None
         return asked.stance if self.alike(asked.command, command) else None
 
-    def answer_standing(self, question: Question) -> StepPlan | Blocked | None:
+    def answer_standing(
+        self, stance: Stance, command: Command, terrain: TerrainMap
+    ) -> StepPlan | Blocked | None:
         """One tick of planning a step from a standstill; after a few ticks the best so far will do."""
         slices = self.settings.slices_wanted
-        self.consider(question, slices)
+        self.consider(stance, command, terrain, slices)
         self._waited += 1
-        if self._waited >= self.settings.wait_max and self.answer(question.command) is None:
+        if self._waited >= self.settings.wait_max and self.answer(command) is None:
             self._go_on(slices, wanted_now=True)
-        return self.answer(question.command)
+        return self.answer(command)
 
     def alike(self, one: Command, other: Command) -> bool:
         """True when a step for one command will do for the other: another speed, and all but the

@@ -71,10 +71,10 @@ class PostureController:
 
     def listen(self, now: Now) -> None:
         """A command to move ends what was asked for; a command to hold ends rising to walk."""
-        holds = now.command.holds
-        if self._rises_to_walk and holds:
-            self.halt()
-        elif not holds and (self.low or self.is_busy):
+        if now.holds:
+            if self._rises_to_walk:
+                self.halt()
+        elif self.low or self.wanted or self._state.activity is Activity.POSTURE:
             self._rise(now)
 
     def _rise(self, now: Now) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from ..motion.step_builder import changed
 from ..types import Blocked, Command, Reason, Stance, StepPlan
 from .activities import Event
-from .plan_job import Question
 from .walk_state import Now, WalkState
 
 
@@ -32,22 +31,15 @@ class StepController:
         stance = job.stance_asked(now.command, now.terrain)
         if stance is None:
             stance = self._run.actual(now.sensing, self._run.stance)
-        answer = job.answer_standing(Question(stance, now.command, now.terrain))
+        answer = job.answer_standing(stance, now.command, now.terrain)
         asked = job.asked
         if answer is not None and asked is not None:
             self._begin(answer, stance, 0.0, now.command)
             job.refused = (asked.command, now.terrain)
 
-    def is_held_back(self, now: Now) -> bool:
-        """True when the body is not where the step has it; counted until a step comes to its end."""
-        held = self._run.held_back(now.sensing)
-        self._held += held
-        return held
-
-    def plan_ahead(self, now: Now) -> None:
-        """While a step runs: plan the next from where it is expected to end."""
-        question = Question(self._run.plan.end, now.command, now.terrain)
-        self._job.consider(question, self._run.config.planning.slices)
+    def count_held_back(self) -> None:
+        """A step is cut short because the body is not where it has it."""
+        self._held += 1
 
     def switch(self, now: Now, left: float) -> float:
         """N_{k+1}: the running step is over; ``left`` seconds of this tick belong to the next one.
@@ -57,8 +49,8 @@ class StepController:
         stance = self._run.arrived(now.sensing)
         self._state.executed = changed(self._run.plan, end=stance)
         self._held = 0
-        question = Question(stance, now.command, now.terrain)
-        self._job.consider(question, self._run.config.planning.slices_wanted)
+        slices = self._run.config.planning.slices_wanted
+        self._job.consider(stance, now.command, now.terrain, slices)
         answer = self._job.answer(now.command)
         if answer is None:  # not planned yet: hold on standing feet
             self._state.rest(stance, keep_job=True)

@@ -165,7 +165,8 @@ class GaitSupervisor:
         """Decide for one tick: foot velocities in body axes, m/s, in leg order."""
         state = self.state
         state.executed = None
-        now = Now(sensing, self.job.planner.heed(command), terrain)
+        command = self.job.planner.heed(command)
+        now = Now(sensing, command, terrain, command.holds)
         self.postures.listen(now)
         _AT[state.activity](self, now)
         return self.run.velocities_to(self._time_ahead(now), sensing)
@@ -173,14 +174,18 @@ class GaitSupervisor:
     def _standing(self, now: Now) -> None:
         if self.postures.wanted:
             self.postures.take(now)
-        elif not now.command.holds:
+        elif not now.holds:
             self._steps.start(now)
 
     def _stepping(self, now: Now) -> None:
-        if now.command.holds or self._steps.is_held_back(now):
+        if now.holds:
+            self.state.stop(now)
+        elif self.run.held_back(now.sensing):
+            self._steps.count_held_back()
             self.state.stop(now)
         elif not self.contacts.is_surprised(now):
-            self._steps.plan_ahead(now)
+            end = self.run.tracker.plan.end
+            self.job.consider(end, now.command, now.terrain, self.job.settings.slices)
 
     def _posturing(self, now: Now) -> None:
         if not self.postures.is_still_wanted or self.run.held_back(now.sensing):
@@ -199,13 +204,13 @@ class GaitSupervisor:
 
     def _walk_on(self, now: Now) -> None:
         """A foot that was put down after its step: the walk goes on in the same tick."""
-        if self.stands and not now.command.holds and not self.postures.wanted:
+        if self.stands and not now.holds and not self.postures.wanted:
             self._steps.start(now)
 
     def _hovering(self, now: Now) -> None:
         """Ordered on, it goes on with what it was at."""
         state = self.state
-        if now.command.holds:
+        if now.holds:
             return
         state.happens(RESUMED[state.hovered])
         state.blocked = None
@@ -214,11 +219,12 @@ class GaitSupervisor:
 
     def _time_ahead(self, now: Now) -> float:
         """Time into the plan by the end of this tick; what is over gives way to what comes next."""
-        run, activity = self.run, self.state.activity
-        if activity in STILL:
+        run = self.run
+        activity = self.state.activity
+        stepping = activity is Activity.STEP
+        if not stepping and activity in STILL:
             run.pace = 0.0
             return run.t
-        stepping = activity is Activity.STEP
         run.pace = run.pace_for(now.command) if stepping else 1.0
         t_next, left = run.time_ahead()
         if not run.is_over(t_next):

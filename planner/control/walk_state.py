@@ -20,6 +20,7 @@ class Now(NamedTuple):
     sensing: Sensing
     command: Command
     terrain: TerrainMap
+    holds: bool  # the command is to hold
 
 
 class WalkState:

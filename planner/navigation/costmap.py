@@ -5,7 +5,7 @@ sums over rectangles of the map turned into body axes. A place is *fit* when
 
 - every leg has ground to step on within its reach rectangle. As the body moves on, a foothold stays
   in the rectangle for up to the stroke λ*, so "fit all along" is exactly "no gap in any leg's lane
-  is longer than the stroke allows"; a ``stretched`` survey takes the rectangles of legs stretched
+  is longer than the stroke allows"; a ``stretched`` costmap takes the rectangles of legs stretched
   to the mechanical limit, for where there is no other way;
 - the legs can reach the ground under them together, with a level body;
 - the torso clears the ground; and nothing bars a leg's whole lane that the leg cannot be lifted
@@ -27,11 +27,10 @@ from ..motion.strides import kept
 from ..motion.swing import CLEARANCE
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
-from ..types import Blocked, Reason, Stance
+from ..types import Array, Blocked, Reason, Stance
 
-Array = NDArray[np.float64]
-Reals = NDArray[np.floating[Any]]
-Bools = NDArray[np.bool_]
+Places = NDArray[np.floating[Any]]  # s or d of several places, m
+Mask = NDArray[np.bool_]
 
 LAYER = 0.25  # m along the line between two layers of places
 ACROSS = 0.1  # m across the line between two places
@@ -50,7 +49,7 @@ WAY_OUT, UNFIT_COST = 0.35, 20.0  # m about a body that stands where it should n
 # of z*; legs whose ground differs by more on average cannot stand together and still step
 RISE_SHARE = 0.96
 BARRED = 0.9  # of a lane's width; a leg finds its way past what covers less
-LOW_RELIEF = 0.05  # m; ground this even needs no survey of heights
+LOW_RELIEF = 0.05  # m; ground this even needs no costmap of heights
 KNOWN_ENOUGH = 0.2  # of a leg's rectangle seen: enough to plan by
 
 FIT, STEEP, TORSO, WALL = 0, 100, 101, 102  # what a place is; 1..n: leg without a foothold
@@ -150,7 +149,7 @@ class Region(NamedTuple):
 
 
 def is_plain(region: Region, stance: Stance, terrain: TerrainMap) -> bool:
-    """Nothing unknown, forbidden or high anywhere near: no need to survey."""
+    """Nothing unknown, forbidden or high anywhere near: no need of a costmap."""
     x_min, x_max, y_min, y_max = region.extent
     x, y, _, yaw = stance.body
     reach = (
@@ -182,7 +181,7 @@ def stretched_boxes(machine: Machine) -> tuple[Box, ...]:
     return tuple((x1 - dx, x2 + dx, y1 - dy, y2 + dy) for x1, x2, y1, y2 in machine.boxes)
 
 
-class Survey:
+class Costmap:
     """The map around one stance, turned into body axes, and what it says of every place of the
     body.
     """
@@ -212,9 +211,7 @@ class Survey:
         sample will do.
         """
         flat, inside = self._cells(stance, terrain, 0.0, 0.0)
-        self.known: Bools = (
-            inside if terrain.known is None else inside & terrain.known.ravel()[flat]
-        )
+        self.known: Mask = inside if terrain.known is None else inside & terrain.known.ravel()[flat]
         self.all_known = bool((self.known | ~inside).all())
         self.heights: Array = np.where(inside, terrain.heights.ravel()[flat], np.nan)
         quarter = self.step / 4
@@ -224,14 +221,14 @@ class Survey:
             else [(dx, dy) for dx in (-quarter, quarter) for dy in (-quarter, quarter)]
         )
         open_ground = ~terrain.forbidden.ravel()
-        self.allowed: Bools = ~self.known & inside
+        self.allowed: Mask = ~self.known & inside
         for dx, dy in shifts:
             cells, on_map = self._cells(stance, terrain, dx, dy)
             self.allowed |= on_map & open_ground[cells]
 
     def _cells(
         self, stance: Stance, terrain: TerrainMap, dx: float, dy: float
-    ) -> tuple[NDArray[np.intp], Bools]:
+    ) -> tuple[NDArray[np.intp], Mask]:
         """Flat index of the cell at every sample point moved by (dx, dy), and whether it is on the
         map.
         """
@@ -285,7 +282,7 @@ class Survey:
             math.floor(y2 + RIM) + 1,
         )
 
-    def _walls(self, solid: Bools) -> Bools | None:
+    def _walls(self, solid: Mask) -> Mask | None:
         """Ground a leg cannot be lifted over from the lowest ground around; None when there is
         none.
         """
@@ -300,7 +297,7 @@ class Survey:
         with np.errstate(invalid="ignore"):  # nothing known around: inf less inf
             return np.asarray((known - _least_around(known, around) > limit) & np.isfinite(known))
 
-    def _barred(self, walls: Bools, window: tuple[int, int, int, int]) -> Bools:
+    def _barred(self, walls: Mask, window: tuple[int, int, int, int]) -> Mask:
         """Where such ground covers a leg's lane from side to side, across the course."""
         along_x = abs(math.cos(self.region.course)) >= abs(math.sin(self.region.course))
         x1, x2, y1, y2 = window
@@ -311,7 +308,7 @@ class Survey:
         share = Sums(covered.astype(np.float64)).of(width) / ((y2 - y1) if along_x else (x2 - x1))
         return np.asarray(share >= BARRED)
 
-    def _touches(self, highest_body: Array) -> Bools:
+    def _touches(self, highest_body: Array) -> Mask:
         """Where the torso would be in the ground even with the legs stretched."""
         length, width, height = self.machine.torso
         tops = np.where(np.isnan(self.heights) | ~self.known, -np.inf, self.heights)
@@ -338,7 +335,7 @@ class Survey:
         near = np.hypot(self.x[None, :], self.y[:, None]) <= WAY_OUT
         self.cost[near & ~np.isfinite(self.cost)] = UNFIT_COST
 
-    def at(self, s: Reals, d: Reals) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    def at(self, s: Places, d: Places) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         """Row and column of the sample nearest to places (s, d)."""
         c, n, across = (
             math.cos(self.region.course),

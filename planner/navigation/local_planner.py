@@ -3,7 +3,7 @@ goes round what cannot be crossed.
 
 H leaves the method to its ref. 11, which is not at hand. Ours is a shortest path over places of the
 body: layers every 0.25 m along the commanded line, places every 0.1 m across it, two body lengths
-ahead; ``survey`` says which places are fit. Bends cost, so the shortest way round is H's trapezoid:
+ahead; ``costmap`` says which places are fit. Bends cost, so the shortest way round is H's trapezoid:
 out, along, back to the commanded line. Scarce footholds and the crab angle at which the margin
 vanishes cost too. Unknown ground is approached slowly.
 
@@ -25,11 +25,9 @@ from ..motion.strides import critical_angle
 from ..protocols import PlanFunction, PlanningJob
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
-from ..types import Blocked, Command, Stance, StepPlan
-from .costmap import ACROSS, LAYER, Region, Survey, is_plain
+from ..types import Array, Blocked, Command, Stance, StepPlan
+from .costmap import ACROSS, LAYER, Costmap, Region, is_plain
 
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 Corners = tuple[tuple[float, float], ...]
 
 ON_LINE = 0.02  # m; nearer than this the command is walked as it came
@@ -178,25 +176,25 @@ def plan_route(
     region = Region.of(course, along, off, machine)
     if not refused and is_plain(region, stance, terrain):
         return _steered(command, state, stance, region, _homing(off, region, state))
-    survey, way = None, None
+    costmap, way = None, None
     if not refused:
         toward = 0.0 if state.aim is None else region.seen_from(stance, *state.aim)[1]
-        survey = Survey(
+        costmap = Costmap(
             Region.of(course, along, off, machine, 0.0, toward), stance, terrain, machine
         )
-        way = _as_before(state, stance, region, survey)
-    if survey is None or way is None:
-        survey = Survey(region, stance, terrain, machine)
-        way = Ways(survey).best(state.offset, refused)
+        way = _as_before(state, stance, region, costmap)
+    if costmap is None or way is None:
+        costmap = Costmap(region, stance, terrain, machine)
+        way = DetourSearch(costmap).best(state.offset, refused)
     if way.reach < NO_WAY:
-        why = survey.why()
+        why = costmap.why()
         # no way for legs in their control reach, nor round it: what do they reach at the most?
         if stretches:
-            survey = Survey(region, stance, terrain, machine, stretched=True)
-            way = Ways(survey).best(state.offset, refused)
+            costmap = Costmap(region, stance, terrain, machine, stretched=True)
+            way = DetourSearch(costmap).best(state.offset, refused)
         if way.reach < NO_WAY:
             return command, replace(state, aim=None, offset=0.0, way=()), why
-    return _steered(command, state, stance, region, way, survey if cautious else None)
+    return _steered(command, state, stance, region, way, costmap if cautious else None)
 
 
 def _drawn(state: RouteState, command: Command, stance: Stance) -> RouteState:
@@ -215,31 +213,35 @@ def _on_the_line(line: tuple[float, float, float], x: float, y: float) -> tuple[
     return c * x + s * y, c * y - s * x
 
 
-def _as_before(state: RouteState, stance: Stance, region: Region, survey: Survey) -> Way | None:
+def _as_before(
+    state: RouteState, stance: Stance, region: Region, costmap: Costmap
+) -> Detour | None:
     """Straight on along the line, or on to the corner made for, as long as nothing has come in
     between.
     """
     if state.aim is None:
-        good = abs(region.off) <= ON_LINE and survey.straight_is_fit()
-        return Way(((region.length, 0.0),), math.inf) if good else None
+        good = abs(region.off) <= ON_LINE and costmap.straight_is_fit()
+        return Detour(((region.length, 0.0),), math.inf) if good else None
     s, d = region.seen_from(stance, *state.aim)
     if (
         math.hypot(s, d - region.off) <= REACHED
         or s < -REACHED
-        or not np.isfinite(survey.along(s, d)).all()
+        or not np.isfinite(costmap.along(s, d)).all()
     ):
         return None
-    return Way(((s, d), *(region.seen_from(stance, *corner) for corner in state.way[1:])), math.inf)
+    return Detour(
+        ((s, d), *(region.seen_from(stance, *corner) for corner in state.way[1:])), math.inf
+    )
 
 
-def _homing(off: float, region: Region, state: RouteState) -> Way:
+def _homing(off: float, region: Region, state: RouteState) -> Detour:
     """Straight back to the line where nothing is in the way, at the course begun if that is one."""
     if abs(off) <= ON_LINE:
-        return Way(((region.length, 0.0),), math.inf)
+        return Detour(((region.length, 0.0),), math.inf)
     # positive: the course walked leads back already
     begun = -state.offset if off > 0.0 else state.offset
     over = abs(off) / math.tan(begun if math.radians(4.0) < begun <= STEEPEST else GENTLE)
-    return Way(((over if begun > 0.0 else max(over, BACK_OVER), 0.0),), math.inf)
+    return Detour(((over if begun > 0.0 else max(over, BACK_OVER), 0.0),), math.inf)
 
 
 def _steered(
@@ -247,8 +249,8 @@ def _steered(
     state: RouteState,
     stance: Stance,
     region: Region,
-    way: Way,
-    survey: Survey | None = None,
+    way: Detour,
+    costmap: Costmap | None = None,
 ) -> tuple[Command, RouteState, None]:
     """The command turned to the way's first corner and slowed where little is seen ahead; as it
     came when nothing changes.
@@ -260,31 +262,33 @@ def _steered(
     state = replace(state, offset=offset, aim=corners[0] if corners else None, way=corners)
     if offset != 0.0 or abs(math.remainder(region.course - command.crab_angle, 2 * math.pi)) > 1e-6:
         command = replace(command, crab_angle=math.remainder(region.course + offset, 2 * math.pi))
-    seen = math.inf if survey is None else survey.known_ahead(way.corners[:1]) / region.body_length
+    seen = (
+        math.inf if costmap is None else costmap.known_ahead(way.corners[:1]) / region.body_length
+    )
     if seen < 1.0:
         command = replace(command, speed=command.speed * max(SLOWEST, seen))
         state = replace(state, speed_limit=command.speed)
     return command, state, None
 
 
-class Way(NamedTuple):
+class Detour(NamedTuple):
     """A way through the region: its corners after the body's own place, and how far it leads."""
 
     corners: Corners  # (s, d)
     reach: float  # m along the line to a dead end; inf when it leads through
 
 
-class Ways:
+class DetourSearch:
     """Every way through the region, from its far end back: what it costs from each place, entered
     in each direction.
     """
 
-    def __init__(self, survey: Survey) -> None:
-        self.survey, self.region = survey, survey.region
+    def __init__(self, costmap: Costmap) -> None:
+        self.costmap, self.region = costmap, costmap.region
         self.across: Array = np.asarray(
             (self.region.first + np.arange(self.region.places)) * ACROSS
         )
-        self.weight = _critical(self.region.course, survey.machine)
+        self.weight = _critical(self.region.course, costmap.machine)
         self._work_back()
 
     def _work_back(self) -> None:
@@ -320,15 +324,15 @@ class Ways:
     def _side(self, s: Array, d: Array, along: float, across: Array) -> Array:
         """Cost of straight sides from places (s, d)."""
         part = np.array([0.25, 0.5, 0.75, 1.0])
-        cost = self.survey.cost[
-            self.survey.at(s[..., None] + part * along, d[..., None] + part * across[..., None])
+        cost = self.costmap.cost[
+            self.costmap.at(s[..., None] + part * along, d[..., None] + part * across[..., None])
         ]
         return np.asarray(
             np.hypot(along, across) * cost.mean(axis=-1)
             + OFF_LINE * along * np.abs(d + 0.5 * across)
         )
 
-    def best(self, offset: float, refused: Sequence[float]) -> Way:
+    def best(self, offset: float, refused: Sequence[float]) -> Detour:
         """The cheapest way from the body's own place, walked so far in direction ``offset``."""
         direct, into, slid = (
             self._direct(offset, refused),
@@ -338,18 +342,20 @@ class Ways:
         a, b = int(direct.argmin()), int(slid.argmin())
         least, lead = min(float(direct[a]), float(slid[b])), self.region.lead
         if least == math.inf:
-            return Way((), 0.0)
+            return Detour((), 0.0)
         if direct[a] <= slid[b]:
             points, reach = self._on_from(a, int(into[a]))
-            return Way(self._straightened(points, offset, refused), reach)
+            return Detour(self._straightened(points, offset, refused), reach)
         points, reach = self._on_from(b, 0)
         d = float(self.across[b])
-        return Way(_corners([(0.0, self.region.off), (0.0, d), (lead, d), *points[1:]])[1:], reach)
+        return Detour(
+            _corners([(0.0, self.region.off), (0.0, d), (lead, d), *points[1:]])[1:], reach
+        )
 
     def _angles(self) -> Array:
         return np.arctan2(self.across - self.region.off, self.region.lead)
 
-    def _into(self) -> Index:
+    def _into(self) -> NDArray[np.intp]:
         """The direction nearest to the first side's, for every place of the first layer."""
         return np.asarray(np.abs(self._angles()[:, None] - np.array(_TURNS)).argmin(axis=1))
 
@@ -437,11 +443,11 @@ class Ways:
         """Cost of one straight side and of the bend into it."""
         (s1, d1), (s2, d2) = start, end
         length, angle = math.hypot(s2 - s1, d2 - d1), math.atan2(d2 - d1, s2 - s1)
-        part = np.arange(1, math.ceil(length / self.survey.step) + 1) / math.ceil(
-            length / self.survey.step
+        part = np.arange(1, math.ceil(length / self.costmap.step) + 1) / math.ceil(
+            length / self.costmap.step
         )
         d = d1 + part * (d2 - d1)
-        cost = float(self.survey.cost[self.survey.at(s1 + part * (s2 - s1), d)].mean())
+        cost = float(self.costmap.cost[self.costmap.at(s1 + part * (s2 - s1), d)].mean())
         weight = float(self.weight[int(np.abs(_INTO - angle).argmin())])
         return (
             length * cost * weight

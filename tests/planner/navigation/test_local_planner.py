@@ -8,11 +8,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from walking_console.planner.navigation.costmap import FIT, Region, Survey
-from walking_console.planner.navigation.local_planner import ON_LINE, RouteState, plan_route
+from walking_console.planner.navigation.local_planner import (
+    COURSES_MAX,
+    ON_LINE,
+    LocalPlanner,
+    RouteState,
+    plan_route,
+)
+from walking_console.planner.protocols import run_to_completion
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.terrain.map import TerrainMap
-from walking_console.planner.types import Blocked, Command, Stance
+from walking_console.planner.types import Blocked, Command, Reason, Stance
 
 MACHINE = load_machine("titan3")
 CELL, LOW, SIZE = 0.05, -6.0, 400
@@ -319,30 +325,24 @@ def test_a_body_standing_where_it_should_not_may_leave():
     assert why is None and math.hypot(*places[-1]) >= 2.0
 
 
-def test_a_place_is_fit_exactly_when_every_leg_has_ground():
-    rng = np.random.default_rng(2)
-    heights = np.where(rng.random((SIZE, SIZE)) < 0.97, np.nan, 0.0)
-    terrain, stance = map_of(heights), stance_at()
-    survey = Survey(Region.of(0.0, 0.0, 0.0, MACHINE), stance, terrain, MACHINE)
-    for s in np.arange(0.0, 2.5, 0.25):
-        for d in np.arange(-1.5, 1.6, 0.3):
-            rows, columns = survey.at(np.array([s]), np.array([d]))
-            x, y = survey.x[columns[0]], survey.y[rows[0]]
-            boxes = [(x + b[0], x + b[1], y + b[2], y + b[3]) for b in MACHINE.boxes]
-            inside = [
-                terrain.forbidden[
-                    at(b[2] + 0.06) : at(b[3] - 0.06), at(b[0] + 0.06) : at(b[1] - 0.06)
-                ]
-                for b in boxes
-            ]
-            around = [
-                terrain.forbidden[
-                    at(b[2] - 0.06) : at(b[3] + 0.11), at(b[0] - 0.06) : at(b[1] + 0.11)
-                ]
-                for b in boxes
-            ]
-            verdict = survey.verdict[rows[0], columns[0]]
-            if all(not patch.all() for patch in inside):
-                assert verdict == FIT
-            if any(patch.all() for patch in around):
-                assert verdict != FIT
+def test_a_planner_of_steps_is_asked_for_another_course_where_it_finds_none():
+    asked = []
+
+    def steps(stance, command, terrain):
+        asked.append(command.crab_angle)
+        return Blocked(Reason.NO_STEP_PASSES)
+        yield
+
+    local = LocalPlanner()
+    terrain = map_of(with_hole(1.0, 1.4, -0.6, 0.6))
+    job = local.plan(steps, MACHINE, stance_at(), AHEAD, terrain)
+    answer = run_to_completion(job)
+    assert isinstance(answer, Blocked) and 1 < len(set(asked)) == len(asked) <= COURSES_MAX
+
+
+def test_the_planner_walks_by_the_command_until_ground_is_unknown_and_forgets_when_it_holds():
+    local = LocalPlanner(cautious=True)
+    assert local.heed(AHEAD) is AHEAD
+    local.route = replace(local.route, speed_limit=0.02)
+    assert local.heed(AHEAD) == replace(AHEAD, speed=0.02)
+    assert local.heed(Command()) == Command() and local.route == RouteState()

@@ -1,0 +1,131 @@
+"""The plan that runs, and where the machine really is beside it."""
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from tests.planner.control.plans import (
+    AHEAD,
+    FEET,
+    HEIGHT,
+    STANCE,
+    TITAN,
+    execution,
+    sensed,
+    swing_plan,
+    swinging_at,
+)
+from walking_console.planner.config import Tolerances
+from walking_console.planner.control.execution import feet_absolute
+from walking_console.planner.types import Command
+
+
+def test_a_machine_that_stands_as_expected_is_the_expected_stance_itself():
+    run = execution()
+    assert run.actual(sensed(), STANCE) is STANCE
+
+
+@pytest.mark.parametrize(("off", "itself"), [(1e-4, True), (1e-2, False)])
+def test_how_near_that_is_is_the_plants_to_say(off, itself):
+    run = execution(plant=Tolerances(same_place=1e-3))
+    moved = sensed(body=(off, 0.0, HEIGHT, 0.0, 0.0, 0.0))
+    assert (run.actual(moved, STANCE) is STANCE) is itself
+
+
+def test_a_machine_that_stands_otherwise_is_where_its_sensors_have_it():
+    feet = ((FEET[0][0] + 0.05, *FEET[0][1:]), *FEET[1:])
+    stance = execution().actual(sensed(feet=feet), STANCE)
+    assert stance.feet[0] == pytest.approx(feet[0]) and stance.body == STANCE.body
+
+
+def test_feet_are_placed_by_the_whole_posture():
+    body = (0.3, -0.2, HEIGHT, 0.0, 0.0, 1.1)
+    assert feet_absolute(sensed(body=body))[2] == pytest.approx(FEET[2])
+
+
+def test_it_goes_as_fast_as_commanded_within_what_the_step_was_planned_for():
+    run = execution()
+    run.play(replace(swing_plan(), speed=0.1, speed_max=0.15))
+    assert run.pace_for(AHEAD) == 1.0
+    assert run.pace_for(Command(0.0, 0.05)) == pytest.approx(0.5)
+    assert run.pace_for(Command(0.0, 9.0)) == pytest.approx(1.5)
+    run.play(replace(swing_plan(), speed=0.0))
+    assert run.pace_for(Command(0.0, 9.0)) == 1.0
+
+
+def test_a_tick_goes_on_by_its_pace_and_leaves_over_what_lies_beyond_the_end():
+    run = execution()
+    run.play(swing_plan())
+    run.pace = 0.5
+    assert run.time_ahead()[0] == pytest.approx(0.01)
+    run.t = 0.995
+    t_next, left = run.time_ahead()
+    assert run.is_over(t_next) and left == pytest.approx((t_next - 1.0) / 0.5)
+    assert not run.is_over(0.9)
+
+
+@pytest.mark.parametrize(("t", "carrying"), [(0.1, True), (0.6, False)])
+def test_a_leg_carries_until_it_swings(t, carrying):
+    state, _ = swinging_at(t)
+    assert state.run.carrying(standing=False) == (carrying, True, True, True)
+    assert state.run.in_the_air() == ([] if carrying else [0])
+
+
+def test_a_leg_that_has_landed_carries_again():
+    state, _ = swinging_at(0.9)
+    state.run.reflexes = state.run.reflexes._replace(landed=(True, False, False, False))
+    assert state.run.carrying(standing=False) == (True,) * 4 and not state.run.in_the_air()
+    assert not state.run.misses_ground(lifts=False)
+
+
+def test_legs_that_stay_lifted_across_the_switch_miss_no_ground():
+    run = execution()
+    plan = swing_plan()
+    run.play(replace(plan, end=replace(plan.end, lifted=(0,))))
+    assert run.misses_ground(lifts=False) and not run.misses_ground(lifts=True)
+
+
+def test_the_planned_end_is_reached_when_all_went_as_planned():
+    state, stance = swinging_at(0.98)
+    at = (*stance.body[:3], 0.0, 0.0, stance.body[3])
+    landed = (*state.run.plan.end.feet[:1], *stance.feet[1:])
+    assert state.run.arrived(sensed(body=at, feet=landed)) is state.run.plan.end
+    aside = (at[0], at[1] + 0.02, *at[2:])
+    assert state.run.arrived(sensed(body=aside, feet=landed)).body[1] == pytest.approx(0.02)
+
+
+def test_who_swung_is_remembered_only_when_its_foot_came_down_where_it_was_to():
+    state, stance = swinging_at(0.6)
+    run = state.run
+    landing = run.plan.end.feet[0]
+    step = replace(run.plan, landing=landing, end=replace(run.plan.end, last_swing=0))
+    there = sensed(feet=(landing, *stance.feet[1:]))
+    assert run.remembered(there, step, settling=False).last_swing == 0
+    short = sensed(feet=((landing[0] - 0.1, *landing[1:]), *stance.feet[1:]))
+    assert run.remembered(short, step, settling=False).last_swing == STANCE.last_swing
+    assert run.remembered(there, None, settling=False) is run.stance
+
+
+def test_the_way_walked_in_a_step_cut_short_counts_by_how_far_the_body_got():
+    state, stance = swinging_at(0.5)
+    run = state.run
+    step = replace(run.plan, landing=FEET[0], end=replace(run.plan.end, course=0.1))
+    body = (0.05, 0.0, HEIGHT, 0.0, 0.0, 0.0)
+    remembered = run.remembered(sensed(body=body, feet=stance.feet), step, settling=False)
+    assert remembered.course == pytest.approx(0.05)
+
+
+def test_a_plan_came_out_as_planned_within_what_the_plant_errs_by():
+    run = execution()
+    assert run.as_planned(STANCE, STANCE)
+    near = replace(STANCE, body=(0.001, 0.0, HEIGHT, 0.0))
+    far = replace(STANCE, body=(0.01, 0.0, HEIGHT, 0.0))
+    assert run.as_planned(near, STANCE) and not run.as_planned(far, STANCE)
+
+
+def test_standing_it_plays_a_plan_that_moves_nothing():
+    run = execution()
+    velocities = run.velocities_to(0.0, sensed())
+    assert all(math.hypot(*velocity) < 1e-12 for velocity in velocities)
+    assert len(velocities) == len(TITAN.legs)

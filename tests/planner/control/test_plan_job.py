@@ -1,0 +1,104 @@
+"""What is asked for, planned, kept and forgotten between Levels B and C."""
+
+import math
+
+import pytest
+
+from tests.planner.control.plans import AHEAD, STANCE, TITAN, Scripted, flat, swing_plan
+from walking_console.planner.config import Planning
+from walking_console.planner.control.plan_job import ASKED, IDLE, READY, PlanJob
+from walking_console.planner.types import Blocked, Command, Reason
+
+GROUND = flat()
+PLAN = swing_plan()
+ASIDE = Command(1.0, 0.1)
+ALIKE = Command(math.radians(5.0), 0.1)
+
+
+def job_of(*answers, slices=0):
+    planner = Scripted(*(answers or (PLAN,)), slices=slices)
+    return PlanJob(planner, TITAN.yaw_length, Planning()), planner
+
+
+def test_the_same_question_is_asked_once():
+    job, planner = job_of()
+    for _ in range(3):
+        job.consider(STANCE, AHEAD, GROUND, 4)
+    assert planner.asked == [AHEAD] and job.ready is PLAN and job.answer(AHEAD) is PLAN
+
+
+def test_planning_goes_on_by_so_many_slices_a_tick_and_the_flags_say_how_far_it_is():
+    job, _ = job_of(slices=10)
+    assert job.flags == IDLE
+    job.consider(STANCE, AHEAD, GROUND, 4)
+    assert job.flags == ASKED and job.ready is None
+    job.consider(STANCE, AHEAD, GROUND, 4)
+    assert job.ready is None
+    job.consider(STANCE, AHEAD, GROUND, 4)
+    assert job.ready is PLAN and job.flags == READY
+
+
+@pytest.mark.parametrize("other", [flat(), None])
+def test_another_map_or_stance_begins_anew(other):
+    job, planner = job_of()
+    job.consider(STANCE, AHEAD, GROUND, 4)
+    stance = STANCE if other is not None else swing_plan().end
+    job.consider(stance, AHEAD, other or GROUND, 4)
+    assert len(planner.asked) == 2
+
+
+def test_a_stick_that_trembles_does_not_begin_anew_before_there_is_an_answer():
+    job, planner = job_of(slices=10)
+    job.consider(STANCE, AHEAD, GROUND, 4)
+    job.consider(STANCE, ALIKE, GROUND, 4)
+    assert planner.asked == [AHEAD]
+    job.consider(STANCE, ASIDE, GROUND, 4)
+    assert planner.asked == [AHEAD, ASIDE]
+
+
+def test_a_step_that_is_ready_is_kept_for_commands_like_its_own_while_the_next_is_planned():
+    job, planner = job_of()
+    job.consider(STANCE, AHEAD, GROUND, 4)
+    planner.slices = 100
+    job.consider(STANCE, ALIKE, GROUND, 4)
+    assert planner.asked == [AHEAD, ALIKE]
+    assert job.ready is None and job.answer(ALIKE) is PLAN and job.answer(ASIDE) is None
+
+
+def test_commands_are_alike_by_direction_and_not_by_speed():
+    job, _ = job_of()
+    assert job.alike(AHEAD, Command(0.0, 0.5)) and job.alike(AHEAD, ALIKE)
+    assert not job.alike(AHEAD, ASIDE) and not job.alike(AHEAD, Command())
+    assert not job.alike(AHEAD, Command(0.0, 0.1, 0.2)) and job.alike(Command(), Command())
+
+
+def test_from_a_standstill_the_best_so_far_is_asked_for_after_a_few_ticks():
+    job, planner = job_of(slices=10**6)
+    answers = [job.answer_standing(STANCE, AHEAD, GROUND) for _ in range(Planning().wait_max)]
+    assert answers[:-1] == [None] * (len(answers) - 1) and answers[-1] is PLAN
+    assert planner.hurried == 1
+
+
+def test_the_stance_asked_from_stays_while_map_and_course_do():
+    job, _ = job_of()
+    assert job.stance_asked(AHEAD, GROUND) is None
+    job.consider(STANCE, AHEAD, GROUND, 4)
+    assert job.stance_asked(ALIKE, GROUND) is STANCE
+    assert job.stance_asked(ASIDE, GROUND) is None and job.stance_asked(AHEAD, flat()) is None
+
+
+def test_resting_forgets_all_but_a_job_that_is_to_go_on():
+    job, _ = job_of(slices=100)
+    job.consider(STANCE, AHEAD, GROUND, 4)
+    job.refused = (AHEAD, GROUND)
+    job.rest(keep_job=True)
+    assert job.asked is not None and job.refused is None and job.flags == ASKED
+    job.rest()
+    assert job.asked is None and job.flags == IDLE and job.answer(AHEAD) is None
+
+
+def test_a_refusal_is_an_answer_too_and_no_ready_step():
+    refusal = Blocked(Reason.NO_STEP_PASSES)
+    job, _ = job_of(refusal)
+    job.consider(STANCE, AHEAD, GROUND, 4)
+    assert job.answer(AHEAD) is refusal and job.ready is None

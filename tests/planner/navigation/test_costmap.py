@@ -1,0 +1,91 @@
+"""What the map says of the places the body may go to."""
+
+import numpy as np
+import pytest
+
+from tests.planner.navigation.test_local_planner import (
+    MACHINE,
+    SIZE,
+    at,
+    level,
+    map_of,
+    stance_at,
+    with_hole,
+)
+from walking_console.planner.navigation.costmap import (
+    FIT,
+    Costmap,
+    Region,
+    Sums,
+    is_plain,
+    stretched_boxes,
+)
+from walking_console.planner.types import Reason
+
+REGION = Region.of(0.0, 0.0, 0.0, MACHINE)
+
+
+def test_a_place_is_fit_exactly_when_every_leg_has_ground():
+    rng = np.random.default_rng(2)
+    heights = np.where(rng.random((SIZE, SIZE)) < 0.97, np.nan, 0.0)
+    terrain, stance = map_of(heights), stance_at()
+    costmap = Costmap(Region.of(0.0, 0.0, 0.0, MACHINE), stance, terrain, MACHINE)
+    for s in np.arange(0.0, 2.5, 0.25):
+        for d in np.arange(-1.5, 1.6, 0.3):
+            rows, columns = costmap.at(np.array([s]), np.array([d]))
+            x, y = costmap.x[columns[0]], costmap.y[rows[0]]
+            boxes = [(x + b[0], x + b[1], y + b[2], y + b[3]) for b in MACHINE.boxes]
+            inside = [
+                terrain.forbidden[
+                    at(b[2] + 0.06) : at(b[3] - 0.06), at(b[0] + 0.06) : at(b[1] - 0.06)
+                ]
+                for b in boxes
+            ]
+            around = [
+                terrain.forbidden[
+                    at(b[2] - 0.06) : at(b[3] + 0.11), at(b[0] - 0.06) : at(b[1] + 0.11)
+                ]
+                for b in boxes
+            ]
+            verdict = costmap.verdict[rows[0], columns[0]]
+            if all(not patch.all() for patch in inside):
+                assert verdict == FIT
+            if any(patch.all() for patch in around):
+                assert verdict != FIT
+
+
+def test_open_ground_is_plain_and_a_hole_or_unknown_ground_near_is_not():
+    assert is_plain(REGION, stance_at(), map_of(level()))
+    assert not is_plain(REGION, stance_at(), map_of(with_hole(1.0, 1.1, 0.0, 0.1)))
+    known = np.ones((SIZE, SIZE), dtype=bool)
+    known[at(0.0), at(1.0)] = False
+    assert not is_plain(REGION, stance_at(), map_of(level(), known=known))
+
+
+def test_a_place_and_back_is_the_same_place():
+    stance = stance_at(0.3, -0.2, 0.7)
+    region = Region.of(0.4, 0.1, 0.05, MACHINE)
+    for s, d in ((0.0, 0.05), (1.0, -0.4), (2.0, 0.8)):
+        assert region.seen_from(stance, *region.place(stance, s, d)) == pytest.approx((s, d))
+
+
+def test_a_line_that_is_barred_says_where_and_by_what():
+    wide = map_of(with_hole(1.5, 3.5, -4.0, 4.0))
+    why = Costmap(REGION, stance_at(), wide, MACHINE).why()
+    assert why.reason is Reason.NO_WAY_ROUND and 0.2 < why.facts["distance"] < 2.0
+    free = Costmap(REGION, stance_at(), map_of(level()), MACHINE)
+    assert free.why().reason is Reason.NO_DIRECTION and free.straight_is_fit()
+
+
+def test_stretched_legs_reach_farther_on_every_side():
+    for box, far in zip(MACHINE.boxes, stretched_boxes(MACHINE), strict=True):
+        assert far[0] < box[0] and far[1] > box[1] and far[2] < box[2] and far[3] > box[3]
+
+
+def test_sums_over_rectangles_are_those_added_up_one_by_one():
+    values = np.random.default_rng(3).random((7, 9))
+    sums = Sums(values).of((-1, 3, 0, 2))
+    for row in range(7):
+        for column in range(9):
+            window = values[row : row + 2, max(0, column - 1) : column + 3]
+            assert sums[row, column] == pytest.approx(window.sum())
