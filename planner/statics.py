@@ -132,7 +132,9 @@ def _pressing(arms: Sequence[XY], shares: Sequence[float], plane: Point) -> list
 
 def _left(arms: Sequence[XY], loads: Sequence[float]) -> Point:
     """What is missing of the weight and of each moment."""
-    force, mx, my = 1.0, 0.0, 0.0
+    force = 1.0
+    mx = 0.0
+    my = 0.0
     for (x, y), load in zip(arms, loads, strict=True):
         force -= load
         mx -= load * x

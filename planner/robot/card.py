@@ -14,9 +14,9 @@ from .chains import (
     JOINTS,
     NOWHERE,
     Drives,
+    JointSpan,
     LegChain,
     Masses,
-    Span,
     chain_of,
     insect_chain,
     mammal_chain,
@@ -127,7 +127,7 @@ def _drives(data: Mapping[str, Any], where: str, faults: list[str]) -> Drives:
     return Drives((a, b, c), speed, torque)
 
 
-def _span(value: Any, key: str, faults: list[str]) -> Span:
+def _span(value: Any, key: str, faults: list[str]) -> JointSpan:
     found = len(faults)
     low, high = numbers(value, key, 2, faults)
     if len(faults) == found and not -LENGTH_MAX <= low < high <= LENGTH_MAX:
@@ -186,7 +186,7 @@ def _joint(value: Any, where: str, faults: list[str]) -> tuple[Point, Point, boo
     if not isinstance(slides, bool):
         faults.append(f"{where} slides must be true or false, got {shown(slides)}")
     if abs(length - 1.0) > 1e-12:  # a unit vector stays what it is, to the last bit
-        x, y, z = x / length, y / length, z / length
+        return (x / length, y / length, z / length), offset, slides is True
     return (x, y, z), offset, slides is True
 
 

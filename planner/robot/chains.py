@@ -15,7 +15,7 @@ from functools import cached_property
 
 from ..geometry.transforms import Point, direction
 
-Span = tuple[float, float]
+JointSpan = tuple[float, float]
 
 JOINTS = 3
 UP: Point = (0.0, 0.0, 1.0)
@@ -36,7 +36,7 @@ class Joint:
     axis: Point  # unit vector
     offset: Point  # m, to the next joint or the foot tip
     slides: bool
-    limits: Span
+    limits: JointSpan
     speed: float
     torque: float
 
@@ -62,7 +62,7 @@ class LegChain:
         return direction(self.facing)
 
     @cached_property
-    def limits(self) -> tuple[Span, Span, Span]:
+    def limits(self) -> tuple[JointSpan, JointSpan, JointSpan]:
         """Low and high of each joint, rad or m."""
         a, b, c = self.joints
         return a.limits, b.limits, c.limits
@@ -103,7 +103,7 @@ class Drives:
     N).
     """
 
-    limits: tuple[Span, Span, Span]
+    limits: tuple[JointSpan, JointSpan, JointSpan]
     speed: Point
     torque: Point
 

@@ -93,7 +93,8 @@ def leg_moment(chain: LegChain, masses: Masses, joints: Joints) -> Point:
     x = y = z = 0.0
     ends = link_ends(chain, joints)
     for k, (joint, mass) in enumerate(zip(chain.joints, masses.links, strict=True)):
-        near, far = ends[k], ends[k + 1]
+        near = ends[k]
+        far = ends[k + 1]
         share = 1.0 if joint.slides else 0.5
         x += mass * (near[0] + share * (far[0] - near[0]))
         y += mass * (near[1] + share * (far[1] - near[1]))
@@ -111,7 +112,8 @@ def holding_torques(chain: LegChain, masses: Masses, joints: Joints, down: Point
     gravity = (c * down[0] + s * down[1], c * down[1] - s * down[0], down[2])
     held = [0.0, 0.0, 0.0]
     for k, (joint, mass) in enumerate(zip(chain.joints, masses.links, strict=True)):
-        near, far = spots[k], spots[k + 1]
+        near = spots[k]
+        far = spots[k + 1]
         weight = far if joint.slides else _moved(near, _apart(far, near), 0.5)
         for j in range(k + 1):
             slides = chain.joints[j].slides
@@ -153,7 +155,9 @@ def solved(matrix: Matrix, right: Point) -> Point | None:
 
 
 def _in_body(chain: LegChain, spot: Point) -> Point:
-    (hx, hy, hz), (c, s), (x, y, z) = chain.hip, chain.turn, spot
+    hx, hy, hz = chain.hip
+    c, s = chain.turn
+    x, y, z = spot
     return hx + c * x - s * y, hy + s * x + c * y, hz + z
 
 
@@ -180,15 +184,21 @@ def _slides_solutions(chain: LegChain, spot: Point) -> Iterator[Joints]:
 
 
 def _insect_foot(chain: LegChain, joints: Joints) -> Point:
-    (l1, l2, l3), (yaw, hip, knee) = chain.links, joints
-    (c, s), (c2, s2), (c23, s23) = direction(yaw), direction(hip), direction(hip + knee)
+    l1, l2, l3 = chain.links
+    yaw, hip, knee = joints
+    c, s = direction(yaw)
+    c2, s2 = direction(hip)
+    c23, s23 = direction(hip + knee)
     out = l1 + l2 * c2 + l3 * c23
     return out * c, out * s, l2 * s2 + l3 * s23
 
 
 def _insect_columns(chain: LegChain, joints: Joints) -> _Columns:
-    (l1, l2, l3), (yaw, hip, knee) = chain.links, joints
-    (c, s), (c2, s2), (c23, s23) = direction(yaw), direction(hip), direction(hip + knee)
+    l1, l2, l3 = chain.links
+    yaw, hip, knee = joints
+    c, s = direction(yaw)
+    c2, s2 = direction(hip)
+    c23, s23 = direction(hip + knee)
     out = l1 + l2 * c2 + l3 * c23
     up = l2 * s2 + l3 * s23
     return (
@@ -199,7 +209,8 @@ def _insect_columns(chain: LegChain, joints: Joints) -> _Columns:
 
 
 def _insect_solutions(chain: LegChain, spot: Point) -> Iterator[Joints]:
-    (l1, l2, l3), (x, y, z) = chain.links, spot
+    l1, l2, l3 = chain.links
+    x, y, z = spot
     out = math.hypot(x, y)
     ahead = math.atan2(y, x)
     for yaw, far in ((ahead, out - l1), (_wrapped(ahead + math.pi), -out - l1)):
@@ -208,16 +219,22 @@ def _insect_solutions(chain: LegChain, spot: Point) -> Iterator[Joints]:
 
 
 def _mammal_foot(chain: LegChain, joints: Joints) -> Point:
-    (_, l2, l3), (roll, hip, knee) = chain.links, joints
-    (c, s), (c2, s2), (c23, s23) = direction(roll), direction(hip), direction(hip + knee)
+    _, l2, l3 = chain.links
+    roll, hip, knee = joints
+    c, s = direction(roll)
+    c2, s2 = direction(hip)
+    c23, s23 = direction(hip + knee)
     aside = chain.joints[0].offset[1]
     down = l2 * c2 + l3 * c23
     return -l2 * s2 - l3 * s23, aside * c + down * s, aside * s - down * c
 
 
 def _mammal_columns(chain: LegChain, joints: Joints) -> _Columns:
-    (_, l2, l3), (roll, hip, knee) = chain.links, joints
-    (c, s), (c2, s2), (c23, s23) = direction(roll), direction(hip), direction(hip + knee)
+    _, l2, l3 = chain.links
+    roll, hip, knee = joints
+    c, s = direction(roll)
+    c2, s2 = direction(hip)
+    c23, s23 = direction(hip + knee)
     aside = chain.joints[0].offset[1]
     ahead = -l2 * s2 - l3 * s23
     down = l2 * c2 + l3 * c23
@@ -229,7 +246,8 @@ def _mammal_columns(chain: LegChain, joints: Joints) -> _Columns:
 
 
 def _mammal_solutions(chain: LegChain, spot: Point) -> Iterator[Joints]:
-    (_, l2, l3), (x, y, z) = chain.links, spot
+    _, l2, l3 = chain.links
+    x, y, z = spot
     aside = chain.joints[0].offset[1]
     squared = y * y + z * z - aside * aside
     if squared < -STRETCHED:
@@ -351,7 +369,8 @@ def _newton(chain: LegChain, spot: Point, joints: Joints) -> Joints | None:
         tried = _clamped(chain, joints, step)
         left = _apart(spot, _serial_foot(chain, tried))
         if _size(left) < _size(error):
-            joints, error = tried, left
+            joints = tried
+            error = left
             damping *= 0.1
         else:
             damping = max(damping * 10.0, 1e-9)
@@ -379,7 +398,8 @@ def _clamped(chain: LegChain, joints: Joints, step: Point) -> Joints:
 
 def _about(axis: Point, angle: float) -> Matrix:
     """Rotation about a unit axis (Rodrigues)."""
-    (c, s), (x, y, z) = direction(angle), axis
+    c, s = direction(angle)
+    x, y, z = axis
     v = 1.0 - c
     return (
         (c + x * x * v, x * y * v - z * s, x * z * v + y * s),

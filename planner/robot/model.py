@@ -28,11 +28,12 @@ from .card import (
     unknown_keys,
     word,
 )
-from .chains import Drives, LegChain, Masses, Span, slides_chain
+from .chains import Drives, JointSpan, LegChain, Masses, slides_chain
 from .workspace import fitted_box, out_of_reach
 
 GRAVITY = 9.81  # m/s²
-LEGS_MIN, LEGS_MAX = 4, 8
+LEGS_MIN = 4
+LEGS_MAX = 8
 # of the mass, what all legs weigh together where the card does not say: an estimate
 LEGS_SHARE = 0.12
 # of a leg's mass, in hip link, upper and lower; of slides all goes with the foot
@@ -103,7 +104,7 @@ class Machine:
     card_masses: Masses | None = None  # as the card gives them
 
     def __hash__(self) -> int:
-        """Of what tells machines apart at a glance: gaits are looked up by machine in every step."""
+        """Of what tells machines apart at a glance: gaits are looked up by machine each step."""
         first = self.legs[0]
         return hash((self.name, self.speed, self.overreach, first.x, first.y, first.z))
 
@@ -122,10 +123,13 @@ class Machine:
         return tuple(self._fitted_slides(index) for index in range(len(self.legs)))
 
     def _fitted_slides(self, index: int) -> LegChain:
-        leg, (hip_x, hip_y) = self.legs[index], self.hips[index]
+        leg = self.legs[index]
+        hip_x, hip_y = self.hips[index]
         dx, dy, dz = self.overreach
-        x, y, z = leg.x, leg.y, leg.z
-        limits: tuple[Span, Span, Span] = (
+        x = leg.x
+        y = leg.y
+        z = leg.z
+        limits: tuple[JointSpan, JointSpan, JointSpan] = (
             (x[0] - dx - hip_x, x[1] + dx - hip_x),
             (y[0] - dy - hip_y, y[1] + dy - hip_y),
             (z[0] - dz, z[1] + dz),
@@ -142,7 +146,9 @@ class Machine:
         leg = LEGS_SHARE * self.mass / len(self.legs)
         a, b, c = LINK_SHARES
         if self.chains[0].joints[-1].slides:
-            a, b, c = 0.0, 0.0, 1.0
+            a = 0.0
+            b = 0.0
+            c = 1.0
         return Masses((1.0 - LEGS_SHARE) * self.mass, (a * leg, b * leg, c * leg))
 
     @cached_property
@@ -155,7 +161,8 @@ class Machine:
         """Where each leg leaves the torso: the point of its outline nearest to the middle of the
         leg's reach.
         """
-        half_length, half_width = self.torso[0] / 2, self.torso[1] / 2
+        half_length = self.torso[0] / 2
+        half_width = self.torso[1] / 2
         return tuple(
             (max(-half_length, min(half_length, x)), max(-half_width, min(half_width, y)))
             for x, y in (leg.centre for leg in self.legs)
@@ -337,7 +344,7 @@ def _legs(
     return tuple(legs)
 
 
-def _range(value: Any, key: str, faults: list[str]) -> Span:
+def _range(value: Any, key: str, faults: list[str]) -> JointSpan:
     low, high = numbers(value, key, 2, faults)
     if not low < high and not faults:
         faults.append(f"{key} must be [low, high] with low < high, got {[low, high]}")
@@ -412,7 +419,8 @@ def _check_stance(legs: tuple[Leg, ...], values: Mapping[str, float], faults: li
                 faults.append(
                     f"leg {index} {axis} must be within {LENGTH_MAX:g} m, got {list(span)}"
                 )
-    low, high = max(leg.z[0] for leg in legs), min(leg.z[1] for leg in legs)
+    low = max(leg.z[0] for leg in legs)
+    high = min(leg.z[1] for leg in legs)
     if not low <= -values["height"] <= high:
         faults.append(
             f"height {values['height']:g} is outside the legs' common z range [{-high:g}, {-low:g}]"

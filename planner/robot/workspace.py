@@ -16,7 +16,7 @@ from functools import cached_property
 
 from ..geometry.paths import EDGE, FOREVER, ArcPath, Box
 from ..geometry.transforms import XY, Point, direction
-from .chains import LegChain, Span
+from .chains import JointSpan, LegChain
 from .kinematics import forward, inverse
 
 NOWHERE: tuple[float, float] = (FOREVER, -FOREVER)
@@ -328,7 +328,7 @@ def _first_edge(chain: LegChain, start: Point, way: Point, far: float) -> float:
     return low
 
 
-Spans = tuple[Span, Span, Span]
+Spans = tuple[JointSpan, JointSpan, JointSpan]
 
 
 def out_of_reach(chain: LegChain, spans: Spans) -> Point | None:

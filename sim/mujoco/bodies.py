@@ -90,7 +90,9 @@ class Bodies:
         """One tick: the servos' targets go evenly from ``start`` to ``end`` while the drives press
         with ``pressing`` on top, all (3n,). Answers each foot's mean load, N.
         """
-        built, data, step = self.built, self.data, mujoco.mj_step
+        built = self.built
+        data = self.data
+        step = mujoco.mj_step
         model = built.model
         ahead = (built.damping * (end - start) / TICK + pressing) / built.stiffness
         share = (end - start) / self.steps
@@ -114,10 +116,12 @@ class Bodies:
         """Of what presses on each foot that touches, how much holds it up: a soles' sensors add up
         what presses, also against a riser.
         """
-        data, count = self.data, self.data.ncon
+        data = self.data
+        count = self.data.ncon
         if count == 0:
             return {}
-        contact, forces = data.contact, data.efc_force
+        contact = data.contact
+        forces = data.efc_force
         pressing: dict[int, float] = {}
         lifting: dict[int, float] = {}
         rows = contact.frame[:count].tolist()
@@ -187,7 +191,8 @@ class Bodies:
 
     def side_contacts(self) -> list[tuple[int, float, float]]:
         """Leg, and the way it was going (x, y), of every foot that meets something upright."""
-        data, found = self.data, []
+        data = self.data
+        found = []
         count = data.ncon
         if count == 0:
             return []

@@ -83,7 +83,8 @@ def leg_drive(machine: Machine, leg: int, physics: Physics) -> LegDrive:
     Joint j holds |J_j|² of the foot's stiffness, J_j its column of the Jacobian in the standard
     posture; all are scaled to make the foot's give exact there.
     """
-    servos, chain = physics.servos, machine.chains[leg]
+    servos = physics.servos
+    chain = machine.chains[leg]
     share = machine.mass / len(machine.legs)
     stiff = share * GRAVITY / servos.sag
     rows = jacobian(chain, standard_joints(machine, leg))
@@ -188,7 +189,8 @@ def _give_mass(link: Any, mass: float, offset: Point, slides: bool) -> None:
 def _add_servo(
     spec: Any, joint: str, drive: LegDrive, k: int, physics: Physics, torque: float
 ) -> None:
-    stiff, damped = drive.stiffness[k], drive.damping[k]
+    stiff = drive.stiffness[k]
+    damped = drive.damping[k]
     actuator = spec.add_actuator(name=joint, target=joint, trntype=mujoco.mjtTrn.mjTRN_JOINT)
     actuator.gaintype = mujoco.mjtGain.mjGAIN_FIXED
     actuator.biastype = mujoco.mjtBias.mjBIAS_AFFINE

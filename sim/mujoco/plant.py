@@ -18,12 +18,11 @@ from typing import Any
 import numpy as np
 
 from walking_console.planner.config import Tolerances
-from walking_console.planner.geometry.transforms import Matrix, Point, direction
+from walking_console.planner.geometry.transforms import Point
 from walking_console.planner.protocols import PlantState
 from walking_console.planner.robot.kinematics import Joints, inverse
 from walking_console.planner.robot.model import Machine
-from walking_console.planner.stability import GRAVITY, TIP_SLACK, polygon_margin, support_polygon
-from walking_console.planner.statics import centre_of_gravity, planned_loads
+from walking_console.planner.stability import TIP_SLACK, polygon_margin, support_polygon
 from walking_console.planner.types import Sensing, Stance
 
 from ..sensor_noise import SensorNoise, with_noise
@@ -32,12 +31,12 @@ from .bodies import Bodies, Truth
 from .contacts import FootContacts
 from .odometry import LegOdometry
 from .settings import Physics
+from .start import set_down
 from .targets import Targets, pressing
 
 FALLEN_TILT = 0.6  # rad; leaning further than this is lying
 TIPPING_TILT = 0.15  # rad; leaning further, with the centre of gravity outside its feet, is tipping
 DROPPED = 2.0  # m below where it began; further down is lying at the bottom of a hole
-ON_GROUND = 0.005  # m; a foot of the start stance this near the ground stands on it
 BURIED = 0.002  # m; a foot this deep in new ground is put on top of it
 
 
@@ -73,47 +72,11 @@ class PhysicsPlant:
         self._rng = rng
         self._bodies = Bodies(machine, ground, self.physics)
         self._floor = stance.body[2] - DROPPED
-        joints = self._start(stance)
+        joints = set_down(self._bodies, ground, stance, self.contact)
         self._truth = Truth(self._bodies, stance.body[3])
         self._odometry = LegOdometry(stance.body, len(machine.legs))
         self._targets = Targets(machine, joints, self.physics.servos.lead)
         self._odometry.update(self._truth.feet_b, self.soles, 0.0, 0.0)
-
-    def _start(self, stance: Stance) -> list[Joints]:
-        """Put it down in its stance and answer the joints its servos aim at: pressed together by
-        the planned loads, so that it does not sink when it is let go.
-        """
-        x, y, z, yaw = stance.body
-        c, s = direction(yaw)
-        feet_b = []
-        for leg, foot in enumerate(stance.feet):
-            px, py, pz = foot
-            height = self.ground.height_at(px, py)
-            self.soles[leg] = leg not in stance.lifted and abs(pz - height) <= ON_GROUND
-            if self.soles[leg]:
-                pz = height
-            feet_b.append((c * (px - x) + s * (py - y), c * (py - y) - s * (px - x), pz - z))
-        joints = [self._joints_for(leg, foot) for leg, foot in enumerate(feet_b)]
-        self._bodies.place(stance.body, joints)
-        centre = centre_of_gravity(self.machine, feet_b)
-        shares = [1.0 if sole else 0.0 for sole in self.soles]
-        weight = self.machine.mass * GRAVITY
-        loads = planned_loads(weight, centre[:2], feet_b, shares).newtons
-        self.contact.loads[:] = loads
-        level: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-        give = pressing(self.machine, joints, loads, level) / self._bodies.built.stiffness
-        off = give.tolist()
-        return [
-            (a + off[3 * leg], b + off[3 * leg + 1], c + off[3 * leg + 2])
-            for leg, (a, b, c) in enumerate(joints)
-        ]
-
-    def _joints_for(self, leg: int, foot: Point) -> Joints:
-        joints = inverse(self.machine.chains[leg], foot)
-        if joints is None:
-            place = ", ".join(f"{part:.3f}" for part in foot)
-            raise ValueError(f"leg {leg + 1} cannot reach ({place}) of its start stance")
-        return joints
 
     # -- what is so, and what it senses
 
@@ -169,11 +132,19 @@ class PhysicsPlant:
 
     def sense(self) -> Sensing:
         """What a machine can know at this tick; the place is that of its odometry, which drifts."""
-        odometry, contact = self._odometry, self.contact
-        x, y, z, yaw = odometry.x, odometry.y, odometry.z, odometry.yaw
-        roll, pitch = self.body[3], self.body[4]
+        odometry = self._odometry
+        contact = self.contact
+        x = odometry.x
+        y = odometry.y
+        z = odometry.z
+        yaw = odometry.yaw
+        roll = self.body[3]
+        pitch = self.body[4]
         if self.physics.true_place:
-            x, y, z, yaw = self.body[0], self.body[1], self.body[2], self.body[5]
+            x = self.body[0]
+            y = self.body[1]
+            z = self.body[2]
+            yaw = self.body[5]
         sensing = Sensing(
             self.tick,
             (x, y, z, roll, pitch, yaw),

@@ -162,7 +162,8 @@ class Reenactment:
         self.plant.follow(self.recording.feet_b(tick), loads)
 
     def _judge(self, tick: int) -> None:
-        verdict, plant = self.verdict, self.plant
+        verdict = self.verdict
+        plant = self.plant
         weight = self.recording.machine.mass * GRAVITY
         verdict.tilt = max(verdict.tilt, self._tilt(tick))
         for leg, foot in enumerate(plant.feet):

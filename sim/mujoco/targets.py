@@ -50,7 +50,9 @@ class Targets:
             self._aim(leg, foot)
 
     def _step(self, leg: int, velocity: Point, foot: Point) -> Point:
-        now, reach, limits = self.feet[leg], self._reach[leg], self.machine.speed
+        now = self.feet[leg]
+        reach = self._reach[leg]
+        limits = self.machine.speed
         x, y, z = (
             _stepped(
                 now[k], velocity[k], limits[k], (foot[k] - self.lead, foot[k] + self.lead), reach[k]
@@ -124,7 +126,8 @@ def _mechanical(
     machine: Machine, leg: int
 ) -> tuple[tuple[float, float], tuple[float, float], tuple[float, float]]:
     """The reach of a leg's mechanism: its control box widened by δ."""
-    (dx, dy, dz), box = machine.overreach, machine.legs[leg]
+    dx, dy, dz = machine.overreach
+    box = machine.legs[leg]
     return (
         (box.x[0] - dx, box.x[1] + dx),
         (box.y[0] - dy, box.y[1] + dy),
