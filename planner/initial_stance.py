@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from .geometry.transforms import Pose, placed
+from .geometry.transforms import Pose, left_fold_sum, placed
 from .protocols import Capabilities
 from .robot.model import Machine
 from .stability import polygon_margin, support_polygon
@@ -38,7 +38,7 @@ def square_stance(machine: Machine, gait: Gait, place: Placement, _: object = No
         fx, fy = placed(place.pose, *leg.centre)
         feet.append((fx, fy, place.height_at(fx, fy)))
     level = [z for _, _, z in feet if z == z] or [0.0]
-    return Stance((x, y, sum(level) / len(level) + gait.height, yaw), tuple(feet))
+    return Stance((x, y, left_fold_sum(level) / len(level) + gait.height, yaw), tuple(feet))
 
 
 def stance_on(
@@ -72,5 +72,8 @@ def stance_on(
         (px, py, h) for (px, py), h in zip(places, heights, strict=True)
     )
     low, high = machine.z_range
-    z = min(max(sum(heights) / len(heights) + gait.height, max(heights) - high), min(heights) - low)
+    z = min(
+        max(left_fold_sum(heights) / len(heights) + gait.height, max(heights) - high),
+        min(heights) - low,
+    )
     return Stance((x, y, z, yaw), tips)

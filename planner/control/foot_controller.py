@@ -14,7 +14,7 @@ import math
 from typing import NamedTuple
 
 from ..config import Gains
-from ..geometry.transforms import attitude_of, rotation, turned_back_by, turned_by
+from ..geometry.transforms import attitude_of, left_fold_sum, rotation, turned_back_by, turned_by
 from ..types import TICK, Point, Sensing
 from .tracking import TrajectoryTracker
 
@@ -161,7 +161,7 @@ def leaning_reflex(
     reached = [turned_by(now, foot) for foot in feet_b]
     on = [leg for leg in stand if soles[leg]]
     # of the body, from where its feet stand (37)
-    height = sum(feet[leg][2] - reached[leg][2] for leg in on) / len(on) if on else z
+    height = left_fold_sum(feet[leg][2] - reached[leg][2] for leg in on) / len(on) if on else z
 
     wanted, (asked_roll, asked_pitch) = (
         attitude_of(playback.lean_at(t_next), heading),
@@ -212,7 +212,7 @@ def _lift(
     the height.
     """
     on = [leg for leg in stand if soles[leg]]
-    return sum(feet[leg][2] - z - feet_b[leg][2] for leg in on) / len(on) if on else 0.0
+    return left_fold_sum(feet[leg][2] - z - feet_b[leg][2] for leg in on) / len(on) if on else 0.0
 
 
 def _lean(
@@ -225,7 +225,9 @@ def _lean(
     """What tilting adds to the carrying feet's heights in body axes, summed; first order in the
     angles.
     """
-    return sum(feet_b[leg][0] * pitch - feet_b[leg][1] * roll for leg in stand if soles[leg])
+    return left_fold_sum(
+        feet_b[leg][0] * pitch - feet_b[leg][1] * roll for leg in stand if soles[leg]
+    )
 
 
 def _adjust(
@@ -302,7 +304,7 @@ def _pid(
 def _mean(points: list[Point], legs: tuple[int, ...]) -> Point:
     n = len(legs)
     return (
-        sum(points[i][0] for i in legs) / n,
-        sum(points[i][1] for i in legs) / n,
-        sum(points[i][2] for i in legs) / n,
+        left_fold_sum(points[i][0] for i in legs) / n,
+        left_fold_sum(points[i][1] for i in legs) / n,
+        left_fold_sum(points[i][2] for i in legs) / n,
     )

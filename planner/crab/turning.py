@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 
 from ..geometry.paths import arc_exit, arc_of_command
 from ..geometry.polygons import inside_of, nearest_of
+from ..geometry.transforms import left_fold_sum
 from ..motion.step_builder import changed
 from ..protocols import PlanningJob, run_to_completion
 from ..robot.model import Machine
@@ -139,7 +140,7 @@ class TurnSearch:
         last = node.posture.last
         ends = self.nominal.ends
         lacks = min(
-            sum(
+            left_fold_sum(
                 max(0.0, ahead + end - has)
                 for end, ahead, has in zip(ends, layout, node.exits, strict=True)
             )

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from walking_console.planner.geometry.transforms import Point, direction
+from walking_console.planner.geometry.transforms import Point, direction, left_fold_sum
 from walking_console.planner.robot.chains import LegChain
 from walking_console.planner.robot.kinematics import Joints, inverse, jacobian
 from walking_console.planner.robot.model import Machine
@@ -88,9 +88,9 @@ def leg_drive(machine: Machine, leg: int, physics: Physics) -> LegDrive:
     share = machine.mass / len(machine.legs)
     stiff = share * GRAVITY / servos.sag
     rows = jacobian(chain, standard_joints(machine, leg))
-    squares = [sum(row[j] * row[j] for row in rows) for j in range(3)]
+    squares = [left_fold_sum(row[j] * row[j] for row in rows) for j in range(3)]
     squares = [max(square, 1e-9) for square in squares]
-    scale = sum(rows[2][j] * rows[2][j] / squares[j] for j in range(3))
+    scale = left_fold_sum(rows[2][j] * rows[2][j] / squares[j] for j in range(3))
     a, b, c = (scale * stiff * square for square in squares)
     lag = 2.0 * servos.damping * math.sqrt(share / stiff)
     leg_mass = machine.masses.leg * servos.reflected

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from walking_console.planner.geometry.transforms import (
     Matrix,
     Point,
+    left_fold_sum,
     rotation,
     turned_back_by,
     turned_by,
@@ -186,7 +187,7 @@ class Reenactment:
         wanted = self.recording.attitude(tick)
         roll, pitch, yaw = self.plant.body[3:]
         got = rotation(roll, pitch, yaw)
-        cosine = sum(wanted[k][2] * got[k][2] for k in range(3))
+        cosine = left_fold_sum(wanted[k][2] * got[k][2] for k in range(3))
         return math.degrees(math.acos(max(-1.0, min(1.0, cosine))))
 
     def _judge_end(self, tick: int) -> None:

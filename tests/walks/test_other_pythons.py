@@ -20,7 +20,7 @@ from walking_console import Simulation, load_scenario
 from walking_console.sim.runs.recorder import Recorder
 
 for name, robot, ticks in (("rough", "titan3", 400), ("stairs-up", "titan3", 300),
-                           ("k-curve", "hexapod", 200)):
+                           ("hillside", "titan3", 200), ("k-curve", "hexapod", 200)):
     simulation = Simulation(load_scenario(name, [f"robot={robot}"]))
     recorder = Recorder(simulation)
     simulation.drive(crab_angle=0.2, speed=0.08, turn_rate=0.0 if robot == "hexapod" else 0.03)
@@ -67,7 +67,7 @@ def test_it_is_walked_alike_by_every_python_that_has_what_it_needs(
     if not others():
         pytest.skip("no other Python of 3.11 or newer here that has what the simulation needs")
     mine = output_of(sys.executable, WALKS, env=environment)
-    assert len(mine.splitlines()) == 3
+    assert len(mine.splitlines()) == 4
     assert {
         version: output_of(python, WALKS, env=environment) for version, python in others().items()
     } == {version: mine for version in others()}
