@@ -1,4 +1,5 @@
-"""The tunables of supervising and of going round: by theme, each with what you see when it is wrong.
+"""The tunables of supervising and of going round: by theme, each with what you see when it is
+wrong.
 
 A scenario sets them by name, ``[config.tracking] held_back = 0.05``; what it does not name stays.
 """
@@ -44,11 +45,11 @@ class Tracking:
     landed_as_planned: float | None = None  # m; as in ``Tolerances``
     body_off: float | None = None  # m; as in ``Tolerances``
     foot_off: float | None = None  # m; as in ``Tolerances``
-    # steps cut short one after the other because the body was held back, before it says so and waits
-    # for another command. More: see it scrape along a wall
+    # steps cut short one after the other because the body was held back, before it says so and
+    # waits for another command. More: see it scrape along a wall
     held_max: int = 3
-    # times a posture is begun anew because ground or body were not as planned. Fewer: see it give up
-    # after one push
+    # times a posture is begun anew because ground or body were not as planned. Fewer: see it give
+    # up after one push
     posture_tries: int = 24
     # m a foothold ahead may change its believed height. Smaller: see postures planned anew at every
     # look of the eye
@@ -99,9 +100,11 @@ class Contact:
     retreat: float = 0.05  # m back along the way after a hit; less and whiskers still touch
     # m back before each further lift. Less: see whiskers stay on what is climbed over
     keep_clear: float = 0.02
-    # m a leg is lifted at a time while the obstacle is still there. More: see it step needlessly high
+    # m a leg is lifted at a time while the obstacle is still there. More: see it step needlessly
+    # high
     lift_step: float = 0.05
-    # of the swing speed, "somewhat lower velocity" (H §9.2 b). More: see the second hit push the body
+    # of the swing speed, "somewhat lower velocity" (H §9.2 b). More: see the second hit push the
+    # body
     slower: float = 0.5
     # m of a sensed edge that is marked, along it. Less: see the next foot come down on it
     edge_length: float = 0.30

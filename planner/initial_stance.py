@@ -58,7 +58,8 @@ def stance_on(
     for number, ((fx, fy), (x1, x2, y1, y2)) in enumerate(zip(feet, machine.boxes, strict=True), 1):
         if not (x1 <= fx <= x2 and y1 <= fy <= y2):
             raise ValueError(
-                f"foot {number} must be within x [{x1:g}, {x2:g}], y [{y1:g}, {y2:g}] of the body, got ({fx:g}, {fy:g})"
+                f"foot {number} must be within x [{x1:g}, {x2:g}], y [{y1:g}, {y2:g}] of the body,"
+                f" got ({fx:g}, {fy:g})"
             )
     margin = polygon_margin(support_polygon([(fx, fy) for fx, fy in feet]), 0.0, 0.0)
     if margin < 0.0:

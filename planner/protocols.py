@@ -33,7 +33,9 @@ ATTITUDES: tuple[BodyAttitude, ...] = ("level", "ground")
 
 
 class PlannerError(ValueError):
-    """A choice of planner, mode, trace or attitude that cannot be; the message is one clear line."""
+    """A choice of planner, mode, trace or attitude that cannot be; the message is one clear
+    line.
+    """
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,8 +50,8 @@ class Capabilities:
     follows_trace: bool = False  # walks along a trace given beforehand
     gives_preview: bool = False  # says what it foresees beyond the next step
     gives_decision: bool = False  # fills the decision log of its steps when asked
-    # of the stride; a step that comes out no farther off counts as the standard one of this planner,
-    # and on open ground it comes back to it (H fig. 9); None: it has no standard layout
+    # of the stride; a step that comes out no farther off counts as the standard one of this
+    # planner, and on open ground it comes back to it (H fig. 9); None: it has no standard layout
     standard_within: float | None = None
     duty_factor_min: float = 0.5  # below it no gait of this planner stands
     # legs that stand at any time; None: as many as the gait's duty factor says
@@ -115,9 +117,9 @@ class Planner(Protocol):
     def plan(self, stance: Stance, command: Command, terrain: TerrainMap) -> PlanningJob:
         """Begin to plan the step from ``stance``, a step-switching point N_k.
 
-        The job pauses after each slice of work and returns a ``StepPlan``, or ``Blocked`` when there
-        is no step. It never raises for ground it cannot cross, and the same three arguments after
-        the same history give the same step, bit for bit.
+        The job pauses after each slice of work and returns a ``StepPlan``, or ``Blocked`` when
+        there is no step. It never raises for ground it cannot cross, and the same three arguments
+        after the same history give the same step, bit for bit.
         """
         return self.plan_step(stance, command, terrain)
         yield
@@ -130,7 +132,9 @@ class Planner(Protocol):
         return command
 
     def preview(self, stance: Stance, running: StepPlan | None) -> GaitPreview | None:
-        """What it foresees from ``stance``, the last N_k, where ``running`` begins; None: nothing."""
+        """What it foresees from ``stance``, the last N_k, where ``running`` begins; None:
+        nothing.
+        """
         return None
 
     def progress(self, stance: Stance, running: StepPlan | None, body: Body) -> float:
@@ -155,7 +159,8 @@ class Planner(Protocol):
 
 
 class Plant(Protocol[GroundT]):
-    """The machine on its ground: foot velocities in, what it senses out, one tick of 20 ms at a time.
+    """The machine on its ground: foot velocities in, what it senses out, one tick of 20 ms at a
+    time.
 
     Changed in place, by ``Simulation`` only. ``GroundT`` is what it is set down on.
 

@@ -87,8 +87,8 @@ def stable_interval(
 def stable_on_arc(
     polygon: Polygon, ux: float, uy: float, turn: float, inset: float = 0.0
 ) -> tuple[float, float]:
-    """As ``stable_interval``, for a course of constant curvature from the origin (``course.ArcPath``),
-    keeping ``inset`` from every edge.
+    """As ``stable_interval``, for a course of constant curvature from the origin
+    (``ArcPath``), keeping ``inset`` from every edge.
 
     Closed form: the way runs on a circle about the turning centre, an edge cuts one window of
     angles out of it. Of the windows that come round again after each full turn the first that is

@@ -69,10 +69,15 @@ def sources_of_tests() -> list[Source]:
 # Lines and how full they are.
 
 
+PRAGMA = re.compile(r"  # (?:type: ignore|noqa).*")
+
+
 def long_lines() -> Iterator[str]:
+    """Words to a tool at the end, and what has no space to be wrapped at, are not counted."""
     for source in [*product(), *sources_of_tests(), *sources("examples")]:
         for number, line in enumerate(source.lines, 1):
-            if len(line) > COLUMNS:
+            text = PRAGMA.sub("", line)
+            if len(text) > COLUMNS and " " in text.strip():
                 yield f"{source.place}:{number}"
 
 
@@ -374,7 +379,7 @@ Bar = Callable[[], Count]
 AT_MOST: dict[Bar, float] = {
     import_names_installed: 1,
     public_names: 15,
-    long_lines: 130,  # 0
+    long_lines: 14,  # 0
     names_per_line_median: 4,
     tuple_assignments_per_1000_lines: 12,  # 5
     nested_conditionals: 1,  # 0

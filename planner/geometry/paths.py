@@ -22,8 +22,8 @@ FOREVER = math.inf
 
 
 class ArcPath(NamedTuple):
-    """A course of constant curvature from the present pose, in present body axes: a line when ``turn``
-    is 0, else an arc.
+    """A course of constant curvature from the present pose, in present body axes: a line when
+    ``turn`` is 0, else an arc.
 
     Per metre of s the body moves (``ux``, ``uy``) and turns ``turn`` radians. With the yaw length
     scale ρ, ds² = dξ² + dη² + (ρ dβ)², so ux² + uy² + (ρ turn)² = 1 and a turn on the spot has a
@@ -164,7 +164,9 @@ def arc_exit(x: float, y: float, box: Box, arc: ArcPath, outside: float = EDGE) 
 
 
 def _arc_segment(x: float, y: float, box: Box, arc: ArcPath) -> tuple[float, float]:
-    """Existence segment on an arc, closed form: in body axes the foot circles the turning centre."""
+    """Existence segment on an arc, closed form: in body axes the foot circles the turning
+    centre.
+    """
     cx, cy = -arc.uy / arc.turn, arc.ux / arc.turn
     radius, start = math.hypot(x - cx, y - cy), math.atan2(y - cy, x - cx)
     crossings = sorted(
@@ -226,7 +228,8 @@ class SampledPath:
     def __post_init__(self) -> None:
         if not len(self.x) == len(self.y) == len(self.yaw) >= 1:
             raise ValueError(
-                f"a course needs as many x, y and yaw, at least one: got {len(self.x)}, {len(self.y)}, {len(self.yaw)}"
+                f"a course needs as many x, y and yaw, at least one: got {len(self.x)},"
+                f" {len(self.y)}, {len(self.yaw)}"
             )
         for array in (self.x, self.y, self.yaw):
             array.setflags(write=False)

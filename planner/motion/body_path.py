@@ -46,8 +46,8 @@ def lateral_bounds(
 ) -> tuple[float, float]:
     """Offsets along the unit vector ``across`` at which (x, y) keeps ``margin`` inside the polygon.
 
-    Bounds are cut to ``OFFSET_MAX``. Where no offset keeps the margin both bounds are the offset that
-    keeps most of it. ``polygon`` is convex and counter-clockwise; (0, 0) without one.
+    Bounds are cut to ``OFFSET_MAX``. Where no offset keeps the margin both bounds are the offset
+    that keeps most of it. ``polygon`` is convex and counter-clockwise; (0, 0) without one.
     """
     if len(polygon) < 3:
         return 0.0, 0.0
@@ -108,8 +108,8 @@ def through_gates(start: Knot, keys: Sequence[Key]) -> list[Knot]:
     """The offset and its rate at ``start`` and at every key after it.
 
     The offsets are those of the shortest way in the plane of time and offset (its square, so that
-    the answer is one linear pass after the other: a fixed count of Gauss-Seidel sweeps, projected on
-    the bounds). The last rate is 0: beyond what is foreseen the body goes along the reference.
+    the answer is one linear pass after the other: a fixed count of Gauss-Seidel sweeps, projected
+    on the bounds). The last rate is 0: beyond what is foreseen the body goes along the reference.
     """
     times = [start.time, *(key.time for key in keys)]
     values = [start.value, *(min(max(0.0, key.low), key.high) for key in keys)]

@@ -32,7 +32,9 @@ WINDOW, REACHES, MARK = 5.0, 7.0, 1.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ShearedFrame:
-    """What planning sees: stance and map with the lean taken out, and the machine that fits there."""
+    """What planning sees: stance and map with the lean taken out, and the machine that fits
+    there.
+    """
 
     stance: Stance
     terrain: TerrainMap

@@ -117,7 +117,9 @@ def _fits(
     machine: Machine,
     reach: float,
 ) -> bool:
-    """In the reach rectangle, on a cell that may be stepped on, at a height the leg can stand at."""
+    """In the reach rectangle, on a cell that may be stepped on, at a height the leg can stand
+    at.
+    """
     if not terrain.allows(x, y):
         return False
     bx, by = _in_body(x, y, stance.body)

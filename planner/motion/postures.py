@@ -78,8 +78,8 @@ def standing_height(
     gait: Gait,
     place: tuple[float, float, float],
 ) -> float:
-    """The CoG at H above the mean of the feet, within reach of them all, for a body at ``place`` (x,
-    y, yaw), m; where no height is, half of what is amiss is left to δz.
+    """The CoG at H above the mean of the feet, within reach of them all, for a body at ``place``
+    (x, y, yaw), m; where no height is, half of what is amiss is left to δz.
     """
     low, high = height_limits(feet, machine)
     if low > high:

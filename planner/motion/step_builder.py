@@ -2,8 +2,9 @@
 
 A plan is a table of knots: at each a time, the body and every foot. Four ways to give that table
 cover all there is: every foot at every knot (``plan_from_knots``), one foot that swings while the
-others stand (``plan_of_one_foot``), feet that swing while the body waits (``body_still_plan``), and a body that moves on all its feet (``plan_on_all_feet``).
-``holding_plan`` stands still for a tick; ``changed`` copies a plan with other contents.
+others stand (``plan_of_one_foot``), feet that swing while the body waits (``body_still_plan``), and
+a body that moves on all its feet (``plan_on_all_feet``). ``holding_plan`` stands still for a tick;
+``changed`` copies a plan with other contents.
 
 What else is known of a step (its margin, speed, landing point ...) goes along by name: the words
 of ``StepFacts``, explained at ``StepPlan``.

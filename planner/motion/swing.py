@@ -1,9 +1,9 @@
 """The swing of a foot: up, return and down, its speed profile, and what it must clear.
 
 One shape for both walkers, for placements, postures and reflexes: straight up, over to the landing
-point, and straight down to an aim below the expected ground, so that touch decides (H §4.5, fig. 8).
-Each of the three stretches is run through at the speeds of one profile. A new profile is one more
-table here.
+point, and straight down to an aim below the expected ground, so that touch decides (H §4.5, fig.
+8). Each of the three stretches is run through at the speeds of one profile. A new profile is one
+more table here.
 """
 
 from __future__ import annotations

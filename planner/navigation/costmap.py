@@ -329,7 +329,9 @@ class Costmap:
         return np.where(fit, 1.0 + SCARCE_COST * scarce * scarce, np.inf)
 
     def _let_out(self) -> None:
-        """The body stands where it stands: a place that should not be fit may be left, at a price."""
+        """The body stands where it stands: a place that should not be fit may be left, at a
+        price.
+        """
         if self.verdict[self.at(np.zeros(1), np.full(1, self.region.off))][0] == FIT:
             return
         near = np.hypot(self.x[None, :], self.y[:, None]) <= WAY_OUT

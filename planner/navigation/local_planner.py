@@ -3,9 +3,9 @@ goes round what cannot be crossed.
 
 H leaves the method to its ref. 11, which is not at hand. Ours is a shortest path over places of the
 body: layers every 0.25 m along the commanded line, places every 0.1 m across it, two body lengths
-ahead; ``costmap`` says which places are fit. Bends cost, so the shortest way round is H's trapezoid:
-out, along, back to the commanded line. Scarce footholds and the crab angle at which the margin
-vanishes cost too. Unknown ground is approached slowly.
+ahead; ``costmap`` says which places are fit. Bends cost, so the shortest way round is H's
+trapezoid: out, along, back to the commanded line. Scarce footholds and the crab angle at which the
+margin vanishes cost too. Unknown ground is approached slowly.
 
 The test of a place is necessary, not sufficient: Level B2 may still find no step there. Then
 ``refused`` names the direction and the next best is taken.
@@ -90,8 +90,8 @@ class LocalPlanner:
     """Level B1 between the command and a planner of steps: it asks for the step on a course of its
     own, and for another where there is none.
 
-    ``cautious``: it slows down before unknown ground. ``stretches``: the walker can stretch its legs
-    beyond their control reach.
+    ``cautious``: it slows down before unknown ground. ``stretches``: the walker can stretch its
+    legs beyond their control reach.
     """
 
     def __init__(self, cautious: bool = False, stretches: bool = False) -> None:

@@ -51,7 +51,8 @@ class ElevationMapper:
     ) -> None:
         if unknown not in TREATMENTS:
             raise ValueError(
-                f"unknown treatment of unknown ground {unknown!r}; there are: {', '.join(TREATMENTS)}"
+                f"unknown treatment of unknown ground {unknown!r}; there are:"
+                f" {', '.join(TREATMENTS)}"
             )
         self.machine = machine
         self.unknown = unknown
@@ -183,7 +184,9 @@ class ElevationMapper:
         return self.map
 
     def _filled(self, inner: Window, outer: Window) -> Array:
-        """Heights with the gaps filled: by the known ground around, else by the level of the feet."""
+        """Heights with the gaps filled: by the known ground around, else by the level of the
+        feet.
+        """
         heights = self.heights[outer]
         known = self.known[outer]
         if known.all():

@@ -115,7 +115,9 @@ def first_guess(reachable: Reachability, begins: int, ends: int, legs: tuple[int
 
 
 def leg_kind(reachable: Reachability, sample: int, leg: int) -> int:
-    """Whether a leg is hind, middle or fore as seen along the course (sideways the left legs lead)."""
+    """Whether a leg is hind, middle or fore as seen along the course (sideways the left legs
+    lead).
+    """
     x = reachable.lane.x[0]
     y = reachable.lane.y[0]
     k = min(sample % reachable.samples.width, reachable.samples.count - 2)

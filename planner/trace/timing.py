@@ -208,7 +208,9 @@ def _end_of(stance: Stance, move: Move, knots: _Knots) -> Stance:
 
 
 def _course(start: Body, end: Body) -> float:
-    """The crab angle of a step that goes from one pose to another, rad; 0 when it does not travel."""
+    """The crab angle of a step that goes from one pose to another, rad; 0 when it does not
+    travel.
+    """
     dx, dy = end[0] - start[0], end[1] - start[1]
     if math.hypot(dx, dy) <= PAUSE_SPEED:
         return 0.0

@@ -184,8 +184,8 @@ def _without_nodata(terrain: FileTerrain, raster: Raster, found: _Map) -> _Map:
     if missing.any() and terrain.nan != "hole":
         row, column = np.argwhere(missing)[0]
         raise GroundError(
-            f"cell [{row}, {column}] has no height (NODATA {nothing[0]:g}; {int(missing.sum())} such); "
-            'set nan = "hole" if these are holes without a bottom'
+            f"cell [{row}, {column}] has no height (NODATA {nothing[0]:g}; {int(missing.sum())}"
+            ' such); set nan = "hole" if these are holes without a bottom'
         )
     _refuse_hidden_nodata(found.heights, missing)
     said = (f"{int(missing.sum())} NODATA as holes",) if missing.any() else ()
@@ -193,7 +193,9 @@ def _without_nodata(terrain: FileTerrain, raster: Raster, found: _Map) -> _Map:
 
 
 def _refuse_hidden_nodata(heights: Array, missing: Mask) -> None:
-    """A few cells of a usual NODATA value far from all others are no ground, whoever forgot to say."""
+    """A few cells of a usual NODATA value far from all others are no ground, whoever forgot to
+    say.
+    """
     for value in NODATA_USUAL:
         suspects = (heights == value) & ~missing
         if not suspects.any() or suspects.all():
@@ -304,8 +306,8 @@ def _thinned(found: _Map) -> _Map:
     cell = found.cell[0] * step
     if cell > CELL_MAX:
         raise GroundError(
-            f"{nx} x {ny} cells of {_size(found.cell)}; at most {CELLS_MAX} of {CELL_MAX:g} m can be "
-            "walked on: set crop"
+            f"{nx} x {ny} cells of {_size(found.cell)}; at most {CELLS_MAX} of {CELL_MAX:g} m can"
+            " be walked on: set crop"
         )
     thin = replace(found, heights=found.heights[::step, ::step], cell=(cell, cell))
     return thin.saying(f"thinned to one cell in {step} ({CELLS_MAX} at most)")
@@ -364,14 +366,16 @@ def _check_heights(heights: Array, terrain: FileTerrain) -> None:
 
 
 def _smoothed(found: _Map) -> _Map:
-    """The same map in cells of at most 0.025 m, straight lines between the old cells' centres; holes
-    stay holes."""
+    """The same map in cells of at most 0.025 m, straight lines between the old cells' centres;
+    holes stay holes.
+    """
     cell = found.cell[0]
     parts = math.ceil(cell / SMOOTH_CELL - 1e-9)
     ny, nx = found.heights.shape
     if ny * nx * parts * parts > CELLS_MAX:
         raise GroundError(
-            f"smooth = true would make {ny * parts} x {nx * parts} cells; at most {CELLS_MAX}: set crop"
+            f"smooth = true would make {ny * parts} x {nx * parts} cells; at most {CELLS_MAX}: set"
+            " crop"
         )
     rows = np.asarray((np.arange(ny * parts) + 0.5) / parts - 0.5, dtype=np.float64)
     columns = np.asarray((np.arange(nx * parts) + 0.5) / parts - 0.5, dtype=np.float64)
@@ -381,7 +385,9 @@ def _smoothed(found: _Map) -> _Map:
 
 
 def _between_holes(grid: Array, rows: Array, columns: Array) -> Array:
-    """Bilinear interpolation between the cells that have ground; a place in a hole's cell is hole."""
+    """Bilinear interpolation between the cells that have ground; a place in a hole's cell is
+    hole.
+    """
     holes = np.isnan(grid)
     if not holes.any():
         return _between(grid, rows, columns)

@@ -199,7 +199,8 @@ ROWS = "1 2 3 4\n5 6 7 8\n9 10 11 12\n"
 WILD = {
     "as it is written": ASCII + ROWS,
     "Windows ends of lines": (ASCII + ROWS).replace("\n", "\r\n"),
-    "keys in capitals and any order": "NROWS 3\nCELLSIZE 0.5\nNCOLS 4\nYLLCENTER 0\nXLLCENTER 0\n" + ROWS,
+    "keys in capitals and any order": "NROWS 3\nCELLSIZE 0.5\nNCOLS 4\nYLLCENTER 0\nXLLCENTER 0\n"
+    + ROWS,
     "one number a line": ASCII + ROWS.replace(" ", "\n"),
     "rows that run on": ASCII + "1 2 3\n4 5 6 7 8 9\n10 11 12",
     "tabs": (ASCII + ROWS).replace(" ", "\t"),
@@ -207,7 +208,7 @@ WILD = {
     "sides of their own": ASCII.replace("cellsize 0.5", "dx 0.5\ndy 0.5") + ROWS,
     "blanks before keys": ASCII.replace("\n", "\n  ") + ROWS,
     "a mark of the byte order": "\ufeff" + ASCII + ROWS,
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("what", WILD)

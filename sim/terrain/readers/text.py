@@ -1,8 +1,8 @@
 """Heights as text: ESRI ASCII grids, matrices and point lists.
 
 Found in the wild and taken: header keys in any order and case, CRLF, corner or centre of the lower
-left cell, ``dx``/``dy`` in place of ``cellsize``, rows wrapped over several lines, commas, semicolons,
-tabs or spaces between numbers, and the decimal comma. The first row is north.
+left cell, ``dx``/``dy`` in place of ``cellsize``, rows wrapped over several lines, commas,
+semicolons, tabs or spaces between numbers, and the decimal comma. The first row is north.
 """
 
 from __future__ import annotations
@@ -127,7 +127,9 @@ def _numbers(body: str) -> Array:
 
 
 def read_csv(path: Path) -> Raster:
-    """A matrix of heights, or a list of points x, y, z; which of the two its shape and header say."""
+    """A matrix of heights, or a list of points x, y, z; which of the two its shape and header
+    say.
+    """
     lines = [
         line for line in _text(path).splitlines() if line.strip() and line.lstrip()[0] not in "#%"
     ]
@@ -197,7 +199,10 @@ def _are_numbers(names: Sequence[str]) -> bool:
 
 def _is_point_list(names: Sequence[str], table: Array) -> bool:
     """A heading x, y, z; or three columns of which the first two are the places of a grid."""
-    if [name[:1] for name in names[:3]] == ["x", "y", "z"] or names[:2] in (["lon", "lat"], ["easting", "northing"]):  # fmt: skip
+    if [name[:1] for name in names[:3]] == ["x", "y", "z"] or names[:2] in (
+        ["lon", "lat"],
+        ["easting", "northing"],
+    ):
         return bool(table.shape[1] >= 3)
     if table.shape[1] != 3 or len(table) < 9:
         return False

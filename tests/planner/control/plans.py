@@ -1,4 +1,6 @@
-"""A machine on level ground, what it senses, and a plan of one swing. Shared by the control tests."""
+"""A machine on level ground, what it senses, and a plan of one swing. Shared by the control
+tests.
+"""
 
 import math
 from dataclasses import replace

@@ -1,4 +1,6 @@
-"""The body's way between switching points: through every gate, smooth, and no farther than it must."""
+"""The body's way between switching points: through every gate, smooth, and no farther than it
+must.
+"""
 
 import math
 

@@ -34,9 +34,7 @@ def test_on_ground_lower_than_a_lift_nothing_is_tall() -> None:
     assert low.torso_room == low.samples.all
 
 
-def test_a_post_beside_the_way_leaves_no_room_for_a_leg_in_the_air_where_its_rectangle_meets_it() -> (
-    None
-):
+def test_a_post_beside_the_way_leaves_no_room_for_a_leg_in_the_air_that_would_meet_it() -> None:
     tall = clearance(0.8, (1.0, 1.1), (0.6, 0.7))
     assert tall.has_tall
     left = [leg for leg, spec in enumerate(HEXAPOD.legs) if spec.centre[1] > 0]
