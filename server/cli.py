@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import sys
 from collections.abc import Iterator
@@ -302,4 +303,8 @@ def _write_figures(figures: dict[str, Any], path: Path) -> None:
 
 def main() -> None:
     """Entry point of the ``walking-console`` command."""
+    for stream in (sys.stdout, sys.stderr):
+        # a letter the terminal cannot show becomes an escape, not a traceback
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     app()

@@ -10,14 +10,20 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from walking_console.planner.robot.model import is_file
+from walking_console.planner.robot.toml_files import (
+    TomlFileError,
+    is_file,
+    names_toml_file,
+    parse_toml,
+    read_toml,
+)
 
 from .scenario import Scenario, ScenarioError
 from .scenario_faults import faults
 from .terrain.generators import FileTerrain
 
-FILE_BYTES_MAX = 1_000_000
 FIXED_SETTINGS = ("drive", "trace")  # either replaces the other
+FILE_KEYS = (("robot",), ("terrain", "file"))  # values that may be paths of files
 
 
 def scenario_names() -> tuple[str, ...]:
@@ -34,9 +40,7 @@ def scenario_names() -> tuple[str, ...]:
 
 def list_scenarios() -> tuple[tuple[str, str], ...]:
     """Every shipped scenario with its title."""
-    return tuple(
-        (name, str(_parse(_shipped(name), name).get("title", ""))) for name in scenario_names()
-    )
+    return tuple((name, str(_shipped(name).get("title", ""))) for name in scenario_names())
 
 
 def load_scenario(
@@ -53,12 +57,12 @@ def load_scenario(
     (0.4, 30.0, 7, 'titan3')
     """
     if name_or_path in scenario_names():
-        text = _shipped(name_or_path)
+        given = _shipped(name_or_path)
         base = Path()
     else:
-        text = _read(Path(name_or_path), name_or_path)
+        given = _read(Path(name_or_path), name_or_path)
         base = Path(name_or_path).parent
-    data = with_settings(_parse(text, name_or_path), settings)
+    data = _typed_files_found(with_settings(given, settings), settings)
     if seed is not None:
         data["seed"] = seed
     return scenario_from({"name": Path(name_or_path).stem, **data}, base)
@@ -102,7 +106,7 @@ def _with_files(scenario: Scenario, base: Path | None) -> Scenario:
     if isinstance(terrain, FileTerrain):
         file = str(((base or Path()) / terrain.file).absolute())
         change["terrain"] = terrain.model_copy(update={"file": file})
-    if scenario.robot.endswith(".toml"):
+    if names_toml_file(scenario.robot):
         change["robot"] = str(((base or Path()) / scenario.robot).absolute())
     if change and base is None:
         raise ScenarioError(
@@ -114,32 +118,36 @@ def _with_files(scenario: Scenario, base: Path | None) -> Scenario:
     return scenario
 
 
-def _shipped(name: str) -> str:
-    return (resources.files("walking_console.sim") / "scenarios" / f"{name}.toml").read_text(
-        "utf-8"
-    )
+def _shipped(name: str) -> dict[str, Any]:
+    file = resources.files("walking_console.sim") / "scenarios" / f"{name}.toml"
+    return parse_toml(file.read_text("utf-8"), f"scenario {name!r}")
 
 
-def _read(path: Path, given: str) -> str:
-    if not given.endswith(".toml") or not is_file(path):
+def _read(path: Path, given: str) -> dict[str, Any]:
+    if not names_toml_file(given) or not is_file(path):
         raise ScenarioError(
             f"unknown scenario {given!r:.200}; there are: {', '.join(scenario_names())}, "
             "or a path to a scenario TOML file"
         )
     try:
-        if path.stat().st_size > FILE_BYTES_MAX:
-            raise ScenarioError(f"scenario file {given!r} is larger than {FILE_BYTES_MAX} bytes")
-        return path.read_text("utf-8")
-    except (OSError, ValueError) as error:
-        raise ScenarioError(f"cannot read scenario file {given!r}: {error}") from None
+        return read_toml(path, f"scenario file {given!r}")
+    except TomlFileError as error:
+        raise ScenarioError(str(error)) from None
 
 
-def _parse(text: str, name: str) -> dict[str, Any]:
-    try:
-        return tomllib.loads(text)
-    # TOMLDecodeError, and integers of thousands of digits
-    except (ValueError, RecursionError) as error:
-        raise ScenarioError(f"scenario {name!r} is not valid TOML: {error}") from None
+def _typed_files_found(data: dict[str, Any], settings: Iterable[str]) -> dict[str, Any]:
+    """``data`` with every file that a setting names sought where it was typed first: in the working
+    directory. What is not there stays relative to the scenario file.
+    """
+    typed = {setting.partition("=")[0].strip() for setting in settings}
+    for parts in FILE_KEYS:
+        table = data if len(parts) == 1 else data.get(parts[0])
+        name = table.get(parts[-1]) if isinstance(table, dict) else None
+        asked = any(".".join(parts[:depth]) in typed for depth in range(1, len(parts) + 1))
+        if asked and isinstance(table, dict) and isinstance(name, str) and "." in name:
+            place = Path(name).expanduser().absolute()
+            table[parts[-1]] = str(place) if is_file(place) else name
+    return data
 
 
 def with_settings(data: Mapping[str, Any], settings: Iterable[str]) -> dict[str, Any]:

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -29,6 +28,7 @@ from .card import (
     word,
 )
 from .chains import Drives, JointSpan, LegChain, Masses, slides_chain
+from .toml_files import TomlFileError, is_file, names_toml_file, parse_toml, read_toml
 from .workspace import fitted_box, out_of_reach
 
 GRAVITY = 9.81  # m/s²
@@ -40,7 +40,6 @@ LEGS_SHARE = 0.12
 LINK_SHARES = (0.25, 0.45, 0.30)
 FOOT_MAX = 0.5  # m
 CRAB_LEGS = 4
-FILE_BYTES_MAX = 1_000_000
 
 
 class MachineError(ValueError):
@@ -239,42 +238,24 @@ def load_machine(name_or_path: str, relative_to: Path | None = None) -> Machine:
     >>> [leg.name for leg in machine.legs], machine.mass, machine.height
     (['front left', 'rear left', 'rear right', 'front right'], 80.0, 0.85)
     """
-    if name_or_path in machine_names():
-        text = (
-            resources.files("walking_console.planner.robot")
-            / "descriptions"
-            / f"{name_or_path}.toml"
-        ).read_text("utf-8")
-        return machine_from(_parse(text, name_or_path))
-    path = (relative_to or Path()) / name_or_path
-    if not name_or_path.endswith(".toml") or not is_file(path):
-        raise MachineError(
-            f"unknown robot {name_or_path!r:.200}; there are: {', '.join(machine_names())}, "
-            "or a path to a robot TOML file"
-        )
+    what = f"robot file {name_or_path!r}"
     try:
-        if path.stat().st_size > FILE_BYTES_MAX:
-            raise MachineError(f"robot file {name_or_path!r} is larger than {FILE_BYTES_MAX} bytes")
-        text = path.read_text("utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise MachineError(f"cannot read robot file {name_or_path!r}: {error}") from None
-    return machine_from(_parse(text, name_or_path))
+        if name_or_path in machine_names():
+            return machine_from(parse_toml(_shipped(name_or_path), what))
+        path = (relative_to or Path()) / name_or_path
+        if not names_toml_file(name_or_path) or not is_file(path):
+            raise MachineError(
+                f"unknown robot {name_or_path!r:.200}; there are: {', '.join(machine_names())}, "
+                "or a path to a robot TOML file"
+            )
+        return machine_from(read_toml(path, what))
+    except TomlFileError as error:
+        raise MachineError(str(error)) from None
 
 
-def is_file(path: Path) -> bool:
-    """Whether a file is there to be read; a path that no system could have names none."""
-    try:
-        return path.is_file()
-    except OSError:  # too long a name, a folder nobody may look into
-        return False
-
-
-def _parse(text: str, name: str) -> dict[str, Any]:
-    try:
-        return tomllib.loads(text)
-    # TOMLDecodeError, and integers of thousands of digits
-    except (ValueError, RecursionError) as error:
-        raise MachineError(f"robot file {name!r} is not valid TOML: {error}") from None
+def _shipped(name: str) -> str:
+    folder = resources.files("walking_console.planner.robot") / "descriptions"
+    return (folder / f"{name}.toml").read_text("utf-8")
 
 
 def machine_from(data: Mapping[str, Any]) -> Machine:

@@ -8,7 +8,7 @@ from fastapi import APIRouter, Request, WebSocket
 from fastapi.responses import FileResponse, HTMLResponse, RedirectResponse, Response
 from starlette.websockets import WebSocketDisconnect
 
-from walking_console.planner.robot.model import is_file
+from walking_console.planner.robot.toml_files import is_file
 
 from ..problems import problem
 from ..viser_bridge import ViserBridge, clean_query

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from walking_console.planner.robot.model import is_file
+from walking_console.planner.robot.toml_files import is_file
 from walking_console.planner.types import Array
 
 from .generators import (
