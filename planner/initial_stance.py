@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -58,14 +57,13 @@ def stance_on(
     for number, ((fx, fy), (x1, x2, y1, y2)) in enumerate(zip(feet, machine.boxes, strict=True), 1):
         if not (x1 <= fx <= x2 and y1 <= fy <= y2):
             raise ValueError(
-                f"foot {number} must be within x [{x1:g}, {x2:g}], y [{y1:g}, {y2:g}] of the body,"
-                f" got ({fx:g}, {fy:g})"
+                f"foot {number} must be within x [{x1:g}, {x2:g}], y [{y1:g}, {y2:g}] "
+                f"of the body, got ({fx:g}, {fy:g})"
             )
     margin = polygon_margin(support_polygon([(fx, fy) for fx, fy in feet]), 0.0, 0.0)
     if margin < 0.0:
         raise ValueError(f"the centre of gravity is {-margin:.3f} m outside the feet")
-    c, s = math.cos(yaw), math.sin(yaw)
-    places = [(x + c * fx - s * fy, y + s * fx + c * fy) for fx, fy in feet]
+    places = [placed((x, y, yaw), fx, fy) for fx, fy in feet]
     heights = [height_at(px, py) for px, py in places]
     if any(h != h for h in heights):
         raise ValueError("a foot is over a hole")

@@ -79,8 +79,8 @@ PLACING = (Activity.SETTLE, Activity.REFLEX)  # feet come down after the plan th
 
 
 def after(activity: Activity, event: Event) -> Activity:
-    """What the walker is at once ``event`` has happened; raises ``RuntimeError`` for one that cannot
-    happen there.
+    """What the walker is at once ``event`` has happened; raises ``RuntimeError`` for one that
+    cannot happen there.
     """
     row = TABLE[activity]
     if event not in row:

@@ -19,7 +19,7 @@ from .feelers import Feelers, Touch, felt_towards, hangs_over_towards
 from .plan_job import WANTED
 from .walk_state import Now, WalkState
 
-Cells = set[tuple[int, int]]  # row, column
+CellSet = set[tuple[int, int]]  # row, column
 
 
 class ContactReflexes:
@@ -35,9 +35,9 @@ class ContactReflexes:
         self._run = state.run
         self._feelers = Feelers(state.run)
         self._settings = state.run.config.contact
-        self._learnt: Cells = set()
+        self._learnt: CellSet = set()
         # near where this encounter found no ground: searched last, not remembered
-        self._shunned: Cells = set()
+        self._shunned: CellSet = set()
 
     def is_surprised(self, now: Now) -> bool:
         """One tick of a plan: begins an encounter when a foot meets what the map does not show."""
@@ -145,18 +145,18 @@ class ContactReflexes:
         placing = self.encounter is not None and self.encounter.state is FootState.PLACE
         return event is ContactEvent.HIT and placing
 
-    def _edge(self, foot: Point, bearing: float, terrain: TerrainMap) -> Cells:
+    def _edge(self, foot: Point, bearing: float, terrain: TerrainMap) -> CellSet:
         return edge_cells(foot, bearing, terrain, self._settings)
 
-    def take_learnt(self) -> Cells:
-        """Cells touch has shown to be no ground, once."""
+    def take_learnt(self) -> CellSet:
+        """CellSet touch has shown to be no ground, once."""
         learnt = self._learnt
         self._learnt = set()
         return learnt
 
 
-def edge_cells(foot: Point, bearing: float, terrain: TerrainMap, settings: Contact) -> Cells:
-    """Cells of a rectangle along an edge that was felt in direction ``bearing`` from the foot (H
+def edge_cells(foot: Point, bearing: float, terrain: TerrainMap, settings: Contact) -> CellSet:
+    """CellSet of a rectangle along an edge that was felt in direction ``bearing`` from the foot (H
     §9.2, last sentence).
     """
     length, depth = settings.edge_length, settings.edge_depth
@@ -171,8 +171,8 @@ def edge_cells(foot: Point, bearing: float, terrain: TerrainMap, settings: Conta
     return {cell for cell in cells if cell is not None}
 
 
-def cells_near(foot: Point, radius: float, terrain: TerrainMap) -> Cells:
-    """Cells whose centre is within ``radius`` of a foot, seen from above."""
+def cells_near(foot: Point, radius: float, terrain: TerrainMap) -> CellSet:
+    """CellSet whose centre is within ``radius`` of a foot, seen from above."""
     reach = math.ceil(radius / terrain.cell)
     at = terrain.cell_at(foot[0], foot[1])
     if at is None:
@@ -187,7 +187,7 @@ def cells_near(foot: Point, radius: float, terrain: TerrainMap) -> Cells:
     }
 
 
-def cell_of(foot: Point, terrain: TerrainMap) -> Cells:
+def cell_of(foot: Point, terrain: TerrainMap) -> CellSet:
     """The one cell under a foot, if the map has it."""
     cell = terrain.cell_at(foot[0], foot[1])
     return set() if cell is None else {cell}

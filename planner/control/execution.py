@@ -127,8 +127,8 @@ class Execution:
         return self.reflexes.landed[leg]
 
     def misses_ground(self, lifts: bool) -> bool:
-        """True when a swing leg has not touched down, though the plan is over; ``lifts``: those that
-        stay in the air across the switch do not count.
+        """True when a swing leg has not touched down, though the plan is over; ``lifts``: those
+        that stay in the air across the switch do not count.
         """
         waiting = self.plan.end.lifted if lifts else ()
         return any(leg not in waiting and not self.landed(leg) for leg in self.plan.swing)

@@ -14,7 +14,15 @@ import math
 from typing import NamedTuple
 
 from ..config import Gains
-from ..geometry.transforms import attitude_of, left_fold_sum, rotation, turned_back_by, turned_by
+from ..geometry.transforms import (
+    XY,
+    Matrix,
+    attitude_of,
+    left_fold_sum,
+    rotation,
+    turned_back_by,
+    turned_by,
+)
 from ..types import TICK, Point, Sensing
 from .tracking import TrajectoryTracker
 
@@ -58,9 +66,8 @@ def reflex(
         return leaning_reflex(playback, t_next, sensing, state, gains, dt)
     (bx, by, _, roll, pitch, yaw), feet_b, soles = sensing.body, sensing.feet_b, sensing.soles
     start, body, rate, air, stand, down, feet, ground = playback.stretches[playback.stretch(t_next)]
-    s = (
-        0.0 if t_next < 0.0 else t_next if t_next < playback.duration else playback.duration
-    ) - start
+    s = t_next if t_next < playback.duration else playback.duration
+    s = s - start if s > 0.0 else -start
     x, y, z = body[0] + rate[0] * s, body[1] + rate[1] * s, body[2] + rate[2] * s
     heading = body[3] + rate[3] * s
 
@@ -162,32 +169,19 @@ def leaning_reflex(
     on = [leg for leg in stand if soles[leg]]
     # of the body, from where its feet stand (37)
     height = left_fold_sum(feet[leg][2] - reached[leg][2] for leg in on) / len(on) if on else z
-
-    wanted, (asked_roll, asked_pitch) = (
-        attitude_of(playback.lean_at(t_next), heading),
-        playback.asked,
-    )
-    playback.asked = wanted
-    keep = 1.0 - gains.posture
-    then = rotation(
-        wanted[0] + keep * (roll - asked_roll), wanted[1] + keep * (pitch - asked_pitch), heading
-    )
+    then = _attitude_asked(playback, t_next, heading, (roll, pitch), gains)
 
     simple = gains.integral == 0.0 and gains.derivative == 0.0
     gain = gains.position / dt if simple else 1.0
     out: list[Point] = [ZERO] * len(feet_b)
     for leg in stand + landed:  # one rigid motion of the body for all that carry
         px, py, pz = reached[leg]
-        out[leg] = _towards(
-            turned_back_by(then, (px + bx - x, py + by - y, pz + height - z)), feet_b[leg], gain
-        )
+        there = turned_back_by(then, (px + bx - x, py + by - y, pz + height - z))
+        out[leg] = _towards(there, feet_b[leg], gain)
     for leg in swinging:
         fx, fy, fz, vx, vy, vz = feet[leg]
-        out[leg] = _towards(
-            turned_back_by(then, (fx + vx * s - x, fy + vy * s - y, fz + vz * s - z)),
-            feet_b[leg],
-            gain,
-        )
+        there = turned_back_by(then, (fx + vx * s - x, fy + vy * s - y, fz + vz * s - z))
+        out[leg] = _towards(there, feet_b[leg], gain)
     if not simple:
         state = _pid(out, stand, landed, feet_b, state, gains, dt)
     for leg in stand + landed:
@@ -195,6 +189,21 @@ def leaning_reflex(
             vx, vy, vz = out[leg]
             out[leg] = (vx, vy, vz - gains.pliancy / dt)  # C2 Δz
     return out, state
+
+
+def _attitude_asked(
+    playback: TrajectoryTracker, t_next: float, heading: float, tilt: XY, gains: Gains
+) -> Matrix:
+    """The rotation of the body to bring about by ``t_next``: that of the plan's lean, and what is
+    left of what roll and pitch are off by.
+    """
+    wanted = attitude_of(playback.lean_at(t_next), heading)
+    asked = playback.asked
+    playback.asked = wanted
+    keep = 1.0 - gains.posture
+    roll = wanted[0] + keep * (tilt[0] - asked[0])
+    pitch = wanted[1] + keep * (tilt[1] - asked[1])
+    return rotation(roll, pitch, heading)
 
 
 def _towards(there: Point, here: Point, gain: float) -> Point:
@@ -212,7 +221,7 @@ def _lift(
     the height.
     """
     on = [leg for leg in stand if soles[leg]]
-    return left_fold_sum(feet[leg][2] - z - feet_b[leg][2] for leg in on) / len(on) if on else 0.0
+    return sum(feet[leg][2] - z - feet_b[leg][2] for leg in on) / len(on) if on else 0.0
 
 
 def _lean(
@@ -225,9 +234,7 @@ def _lean(
     """What tilting adds to the carrying feet's heights in body axes, summed; first order in the
     angles.
     """
-    return left_fold_sum(
-        feet_b[leg][0] * pitch - feet_b[leg][1] * roll for leg in stand if soles[leg]
-    )
+    return sum(feet_b[leg][0] * pitch - feet_b[leg][1] * roll for leg in stand if soles[leg])
 
 
 def _adjust(
@@ -274,24 +281,12 @@ def _pid(
     misses = [
         (ax - x, ay - y, az - z) for (ax, ay, az), (x, y, z) in zip(before, feet_b, strict=True)
     ]
-    if stand:
-        shared = _mean(misses, stand)
-        for leg in stand + landed:
-            misses[leg] = shared
-    old, sums, bound = (
-        state.misses or (ZERO,) * len(out),
-        [],
-        gains.windup / gains.integral if gains.integral else 0.0,
-    )
-    for total, miss in zip(state.sums or (ZERO,) * len(out), misses, strict=True):
-        x, y, z = (
-            max(-bound, min(bound, value + more)) for value, more in zip(total, miss, strict=True)
-        )
-        sums.append((x, y, z))
-    if stand:
-        shared = _mean(sums, stand)
-        for leg in stand + landed:
-            sums[leg] = shared
+    _share(misses, stand, landed)
+    old = state.misses or (ZERO,) * len(out)
+    bound = gains.windup / gains.integral if gains.integral else 0.0
+    before_sums = state.sums or (ZERO,) * len(out)
+    sums = [_summed(total, miss, bound) for total, miss in zip(before_sums, misses, strict=True)]
+    _share(sums, stand, landed)
     for leg, error in enumerate(out):
         x, y, z = (
             (gains.position * e + gains.integral * total + gains.derivative * (miss - last)) / dt
@@ -299,6 +294,22 @@ def _pid(
         )
         out[leg] = (x, y, z)
     return state._replace(aims=aims, misses=tuple(misses), sums=tuple(sums))
+
+
+def _summed(total: Point, miss: Point, bound: float) -> Point:
+    """The sum of misses so far, held to ``bound`` on every axis."""
+    x, y, z = (
+        max(-bound, min(bound, value + more)) for value, more in zip(total, miss, strict=True)
+    )
+    return x, y, z
+
+
+def _share(points: list[Point], stand: tuple[int, ...], landed: tuple[int, ...]) -> None:
+    """Give all carrying legs the mean of those that stand, in place."""
+    if stand:
+        shared = _mean(points, stand)
+        for leg in stand + landed:
+            points[leg] = shared
 
 
 def _mean(points: list[Point], legs: tuple[int, ...]) -> Point:

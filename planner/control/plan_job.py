@@ -1,8 +1,9 @@
-"""The conversation of Levels B and C: which step is asked for, how far its planning is, what is ready.
+"""The conversation of Levels B and C: which step is asked for, how far its planning is, what is
+ready.
 
 While step k is walked, step k+1 is planned from the stance expected at N_{k+1} (H §4.4), a few
-slices a tick. Flags as in H §9.3: F1 Level C has called for a plan, F2 the plan is ready, F3 Level C
-wants it now.
+slices a tick. Flags as in H §9.3: F1 Level C has called for a plan, F2 the plan is ready, F3 Level
+C wants it now.
 """
 
 from __future__ import annotations
@@ -33,7 +34,9 @@ class Question(NamedTuple):
 
 
 class PlanJob:
-    """The planning of the next step, across ticks. ``refused`` is what the last ``Blocked`` answered."""
+    """The planning of the next step, across ticks. ``refused`` is what the last ``Blocked``
+    answered.
+    """
 
     def __init__(self, planner: Planner, yaw_length: float, settings: Planning) -> None:
         self.planner = planner
@@ -73,7 +76,7 @@ class PlanJob:
         if asked is None or asked.stance is not stance or asked.terrain is not terrain:
             self._spare = None
             return True
-        if asked.command == command:
+        if asked.command is command or asked.command == command:
             return False
         if self._ready is None and self.alike(asked.command, command):
             return False

@@ -70,12 +70,13 @@ class PostureController:
         self._choosing = None
 
     def listen(self, now: Now) -> None:
-        """A command to move ends what was asked for; a command to hold ends rising to walk."""
-        if now.holds:
-            if self._rises_to_walk:
-                self.halt()
-        elif self.low or self.wanted or self._state.activity is Activity.POSTURE:
+        """Only for a machine that is low or that takes a posture, or is to: a command to move ends
+        what was asked for; a command to hold ends rising to walk.
+        """
+        if not now.holds:
             self._rise(now)
+        elif self._rises_to_walk:
+            self.halt()
 
     def _rise(self, now: Now) -> None:
         """A command to move: a machine that has sunk rises first, and then walks."""

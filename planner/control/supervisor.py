@@ -15,7 +15,7 @@ from ..terrain.map import TerrainMap
 from ..types import Blocked, Command, Mode, Phase, Point, Sensing, Stance, StepPlan
 from .activities import RESUMED, STILL, Activity
 from .contact_reflexes import ContactReflexes
-from .execution import Execution
+from .execution import END, Execution
 from .plan_job import Flags, PlanJob
 from .posture_controller import Layout, PostureController
 from .step_controller import StepController
@@ -167,7 +167,9 @@ class GaitSupervisor:
         state.executed = None
         command = self.job.planner.heed(command)
         now = Now(sensing, command, terrain, command.holds)
-        self.postures.listen(now)
+        postures = self.postures
+        if postures.wanted or postures.low or state.activity is Activity.POSTURE:
+            postures.listen(now)
         _AT[state.activity](self, now)
         return self.run.velocities_to(self._time_ahead(now), sensing)
 
@@ -227,7 +229,7 @@ class GaitSupervisor:
             return run.t
         run.pace = run.pace_for(now.command) if stepping else 1.0
         t_next, left = run.time_ahead()
-        if not run.is_over(t_next):
+        if t_next < run.tracker.duration - END:
             return t_next
         if activity is Activity.REFLEX:
             return run.tracker.duration

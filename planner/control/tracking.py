@@ -16,7 +16,7 @@ from ..types import Phase, Point, StepPlan
 LEVEL_LEAN = (0.0, 0.0)  # gradient of the body's floor
 
 
-class Stretch(NamedTuple):
+class PlanStretch(NamedTuple):
     """One straight line between knots, unpacked into plain floats."""
 
     start: float  # s
@@ -140,7 +140,7 @@ def _stretch(
     times: list[float],
     body: list[list[float]],
     feet: list[list[list[float]]],
-) -> Stretch:
+) -> PlanStretch:
     phase = plan.phases[k]
     air = plan.swing
     # a supporting foot does not move in the absolute frame; one that waits in the air goes with the
@@ -154,7 +154,7 @@ def _stretch(
     rate = [(b - a) * per_second for a, b in zip(body[k], body[k + 1], strict=True)]
     rows = [_row(a, b, per_second) for a, b in zip(feet[k], feet[k + 1], strict=True)]
     ground = left_fold_sum(rows[leg][2] for leg in stand) / len(stand) if stand else 0.0
-    return Stretch(
+    return PlanStretch(
         times[k],
         (x, y, z, yaw),
         (rate[0], rate[1], rate[2], rate[3]),
@@ -180,7 +180,7 @@ def _row(
     )
 
 
-def _pace(stretch: Stretch, end: float, limits: tuple[float, float, float]) -> float:
+def _pace(stretch: PlanStretch, end: float, limits: tuple[float, float, float]) -> float:
     """Limit over speed of the fastest foot axis of one stretch, body axes; infinite when nothing
     moves.
     """

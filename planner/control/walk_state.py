@@ -1,4 +1,6 @@
-"""What all parts of the supervisor share: what the walker is at, and how that ends or is broken off."""
+"""What all parts of the supervisor share: what the walker is at, and how that ends or is broken
+off.
+"""
 
 from __future__ import annotations
 

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.paths import Box
+from ..geometry.transforms import direction
 from ..motion.strides import kept
 from ..motion.swing import CLEARANCE
 from ..robot.model import Machine
@@ -30,7 +31,7 @@ from ..terrain.map import TerrainMap
 from ..types import Array, Blocked, Reason, Stance
 
 Places = NDArray[np.floating[Any]]  # s or d of several places, m
-Mask = NDArray[np.bool_]
+Cover = NDArray[np.bool_]
 
 LAYER = 0.25  # m along the line between two layers of places
 ACROSS = 0.1  # m across the line between two places
@@ -118,7 +119,7 @@ class Region(NamedTuple):
     @property
     def extent(self) -> Box:
         """The ground it takes, legs included, in body axes from where the body is now."""
-        c, s = math.cos(self.course), math.sin(self.course)
+        c, s = direction(self.course)
         corners = [
             (along * c - across * s, along * s + across * c)
             for along in (0.0, self.length)
@@ -138,14 +139,16 @@ class Region(NamedTuple):
     def place(self, stance: Stance, s: float, d: float) -> tuple[float, float]:
         """A place in the absolute frame."""
         heading = self.course + stance.body[3]
-        c, n, across = math.cos(heading), math.sin(heading), d - self.off
+        c, n = direction(heading)
+        across = d - self.off
         return stance.body[0] + s * c - across * n, stance.body[1] + s * n + across * c
 
     def seen_from(self, stance: Stance, x: float, y: float) -> tuple[float, float]:
         """A point of the absolute frame as a place (s, d)."""
         heading = self.course + stance.body[3]
-        c, n, x, y = math.cos(heading), math.sin(heading), x - stance.body[0], y - stance.body[1]
-        return c * x + n * y, self.off + c * y - n * x
+        c, n = direction(heading)
+        dx, dy = x - stance.body[0], y - stance.body[1]
+        return c * dx + n * dy, self.off + c * dy - n * dx
 
 
 def is_plain(region: Region, stance: Stance, terrain: TerrainMap) -> bool:
@@ -157,7 +160,7 @@ def is_plain(region: Region, stance: Stance, terrain: TerrainMap) -> bool:
         if yaw % (math.pi / 2)
         else 0.0
     )
-    c, s = math.cos(yaw), math.sin(yaw)
+    c, s = direction(yaw)
     if reach:
         low_x, high_x, low_y, high_y = x - reach, x + reach, y - reach, y + reach
     else:
@@ -211,7 +214,9 @@ class Costmap:
         sample will do.
         """
         flat, inside = self._cells(stance, terrain, 0.0, 0.0)
-        self.known: Mask = inside if terrain.known is None else inside & terrain.known.ravel()[flat]
+        self.known: Cover = (
+            inside if terrain.known is None else inside & terrain.known.ravel()[flat]
+        )
         self.all_known = bool((self.known | ~inside).all())
         self.heights: Array = np.where(inside, terrain.heights.ravel()[flat], np.nan)
         quarter = self.step / 4
@@ -221,19 +226,19 @@ class Costmap:
             else [(dx, dy) for dx in (-quarter, quarter) for dy in (-quarter, quarter)]
         )
         open_ground = ~terrain.forbidden.ravel()
-        self.allowed: Mask = ~self.known & inside
+        self.allowed: Cover = ~self.known & inside
         for dx, dy in shifts:
             cells, on_map = self._cells(stance, terrain, dx, dy)
             self.allowed |= on_map & open_ground[cells]
 
     def _cells(
         self, stance: Stance, terrain: TerrainMap, dx: float, dy: float
-    ) -> tuple[NDArray[np.intp], Mask]:
+    ) -> tuple[NDArray[np.intp], Cover]:
         """Flat index of the cell at every sample point moved by (dx, dy), and whether it is on the
         map.
         """
         x, y, _, yaw = stance.body
-        c, s = math.cos(yaw), math.sin(yaw)
+        c, s = direction(yaw)
         bx, by = (self.x + dx)[None, :], (self.y + dy)[:, None]
         columns = np.floor((x - terrain.origin[0] + c * bx - s * by) / terrain.cell).astype(np.intp)
         rows = np.floor((y - terrain.origin[1] + s * bx + c * by) / terrain.cell).astype(np.intp)
@@ -282,7 +287,7 @@ class Costmap:
             math.floor(y2 + RIM) + 1,
         )
 
-    def _walls(self, solid: Mask) -> Mask | None:
+    def _walls(self, solid: Cover) -> Cover | None:
         """Ground a leg cannot be lifted over from the lowest ground around; None when there is
         none.
         """
@@ -297,9 +302,10 @@ class Costmap:
         with np.errstate(invalid="ignore"):  # nothing known around: inf less inf
             return np.asarray((known - _least_around(known, around) > limit) & np.isfinite(known))
 
-    def _barred(self, walls: Mask, window: tuple[int, int, int, int]) -> Mask:
+    def _barred(self, walls: Cover, window: tuple[int, int, int, int]) -> Cover:
         """Where such ground covers a leg's lane from side to side, across the course."""
-        along_x = abs(math.cos(self.region.course)) >= abs(math.sin(self.region.course))
+        ux, uy = direction(self.region.course)
+        along_x = abs(ux) >= abs(uy)
         x1, x2, y1, y2 = window
         depth, width = (
             ((x1, x2, 0, 1), (0, 1, y1, y2)) if along_x else ((0, 1, y1, y2), (x1, x2, 0, 1))
@@ -308,7 +314,7 @@ class Costmap:
         share = Sums(covered.astype(np.float64)).of(width) / ((y2 - y1) if along_x else (x2 - x1))
         return np.asarray(share >= BARRED)
 
-    def _touches(self, highest_body: Array) -> Mask:
+    def _touches(self, highest_body: Array) -> Cover:
         """Where the torso would be in the ground even with the legs stretched."""
         length, width, height = self.machine.torso
         tops = np.where(np.isnan(self.heights) | ~self.known, -np.inf, self.heights)
@@ -339,11 +345,8 @@ class Costmap:
 
     def at(self, s: Places, d: Places) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         """Row and column of the sample nearest to places (s, d)."""
-        c, n, across = (
-            math.cos(self.region.course),
-            math.sin(self.region.course),
-            d - self.region.off,
-        )
+        c, n = direction(self.region.course)
+        across = d - self.region.off
         columns = np.rint((s * c - across * n - self.x[0]) / self.step).astype(np.intp)
         rows = np.rint((s * n + across * c - self.y[0]) / self.step).astype(np.intp)
         return np.clip(rows, 0, self.y.size - 1), np.clip(columns, 0, self.x.size - 1)

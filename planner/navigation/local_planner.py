@@ -21,6 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.transforms import seen
 from ..motion.strides import critical_angle
 from ..protocols import PlanFunction, PlanningJob
 from ..robot.model import Machine
@@ -209,8 +210,7 @@ def _drawn(state: RouteState, command: Command, stance: Stance) -> RouteState:
 
 def _on_the_line(line: tuple[float, float, float], x: float, y: float) -> tuple[float, float]:
     """A point as distance along the line and to its left."""
-    x, y, c, s = x - line[0], y - line[1], math.cos(line[2]), math.sin(line[2])
-    return c * x + s * y, c * y - s * x
+    return seen(line, x, y)
 
 
 def _as_before(
