@@ -12,7 +12,8 @@ import math
 from dataclasses import dataclass
 
 from walking_console.planner.crab.gait import nominal_gait, stroke_length
-from walking_console.planner.crab.slope_adaptation import fitted, followed
+from walking_console.planner.crab.slope_adaptation import nominal_layouts
+from walking_console.planner.motion.slope_strides import SlopeWalker, fitted, followed
 from walking_console.planner.protocols import ATTITUDES
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.types import Command, Gait
@@ -24,6 +25,7 @@ from walking_console.sim.world import prepare
 
 TITAN = load_machine("titan3")
 GAIT = Gait(TITAN.duty_factor, TITAN.lift_up, TITAN.lift_down, TITAN.height)
+WALKER = SlopeWalker(TITAN, GAIT, nominal_layouts)
 SLOPES = (5, 10, 15, 20, 25)  # degrees
 SHARES = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)  # of the slope
 SPEED = 0.08  # m/s
@@ -160,7 +162,7 @@ def leans() -> None:
                 strides = []
                 for share in SHARES:
                     lean = share * seen[0], share * seen[1]
-                    fit = fitted(TITAN, GAIT, 0.0, seen, (lean, lean), math.radians(course))
+                    fit = fitted(WALKER, 0.0, seen, (lean, lean), math.radians(course))
                     length = (
                         0.0
                         if fit is None
@@ -170,7 +172,7 @@ def leans() -> None:
                 print(
                     f"| {slope}° | {up}° | {course}° | "
                     + " | ".join(strides)
-                    + f" | {followed(TITAN, GAIT, seen, course):.0%} |"
+                    + f" | {followed(WALKER, 0.0, seen, math.radians(course)):.0%} |"
                 )
 
 
