@@ -1,12 +1,13 @@
 """The longest strides that fit a slope, and how far a body may lean with the ground for them.
 
 A level body on a slope γ needs feet at heights that differ by γ times what they stand apart; the
-legs reach z* (H fig. 1). Where the nominal walk of the machine's own boxes needs more than that, the
-walker plans with smaller ones: inner edges kept, mirrored, the pair of lengths with the longest
+legs reach z* (H fig. 1). Where the nominal walk of the machine's own boxes needs more than that,
+the walker plans with smaller ones: inner edges kept, mirrored, the pair of lengths with the longest
 stroke λ* whose nominal walk fits. A body whose floor has the gradient l needs heights for γ - l
-only, but stands as far as H·|l| downhill of the middle of its own feet: mirrored about the centre of
-gravity every box loses 2·H·|l| along the slope (titan3: 0.15 m of 0.5 m for 5°). A lean is a trade,
-and follows the ground only as far as it leaves ``SHARE`` of the longest stride any lean allows.
+only, but stands as far as H·|l| downhill of the middle of its own feet: mirrored about the centre
+of gravity every box loses 2·H·|l| along the slope (titan3: 0.15 m of 0.5 m for 5°). A lean is a
+trade, and follows the ground only as far as it leaves ``SHARE`` of the longest stride any lean
+allows.
 """
 
 from __future__ import annotations
