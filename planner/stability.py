@@ -11,8 +11,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
-XY = tuple[float, float]
-Polygon = tuple[XY, ...]
+from .geometry.polygons import Polygon, convex_hull
+from .geometry.transforms import XY
 
 MARGIN_SLACK = 0.001  # m; a margin counts as non-negative when it is >= -1 mm
 # m; the simulated machine starts to tip when its centre of gravity is this far outside
@@ -25,32 +25,7 @@ def support_polygon(points: Iterable[Sequence[float]]) -> Polygon:
     """Convex hull of the supporting foot tips seen from above, counter-clockwise; fewer than three
     corners if degenerate.
     """
-    flat = [(p[0], p[1]) for p in points]
-    if len(flat) == 3:
-        (ax, ay), (bx, by), (cx, cy) = flat
-        twice_area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
-        if twice_area > 0.0:
-            return flat[0], flat[1], flat[2]
-        if twice_area < 0.0:
-            return flat[0], flat[2], flat[1]
-    flat.sort()
-    if len(flat) < 3:
-        return tuple(flat)
-    lower = _chain(flat)
-    upper = _chain(flat[::-1])
-    return (*lower[:-1], *upper[:-1])
-
-
-def _chain(points: list[XY]) -> list[XY]:
-    chain: list[XY] = []
-    for x, y in points:
-        while len(chain) > 1:
-            (ax, ay), (bx, by) = chain[-2], chain[-1]
-            if (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0.0:
-                break
-            chain.pop()
-        chain.append((x, y))
-    return chain
+    return convex_hull(points)
 
 
 def stable_interval(

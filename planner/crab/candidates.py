@@ -10,7 +10,8 @@ from copy import copy
 from typing import NamedTuple
 
 from ..geometry.paths import Box, line_exit
-from ..geometry.polygons import XY, inside_of, nearest_of
+from ..geometry.polygons import inside_of, nearest_of
+from ..geometry.transforms import XY
 from ..robot.model import Machine
 from ..terrain.cells import FootholdMap, foothold_map
 from ..terrain.map import TerrainMap

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from ..geometry.paths import Box, line_exit
 from ..geometry.polygons import clipped, nearest_of
-from ..stability import XY
+from ..geometry.transforms import XY
 from ..terrain.cells import FootholdMap, outward, span_of
 from .decision_log import DecisionLog, StepRefusal, note_cell
 from .gait import FRONT_ACROSS, IS_FRONT, IS_LEFT, PREDECESSOR, REAR_ACROSS, NominalGait, Posture

@@ -20,7 +20,7 @@ from itertools import permutations
 from typing import NamedTuple
 
 from ..geometry.paths import ArcPath, Box, arc_exit
-from ..geometry.transforms import direction, left_fold_sum
+from ..geometry.transforms import XY, direction, left_fold_sum
 from ..motion.strides import (
     critical_angle,
     mechanical_boxes,
@@ -28,7 +28,7 @@ from ..motion.strides import (
     stroke_length,
 )
 from ..robot.model import Machine
-from ..stability import XY, polygon_margin, support_polygon
+from ..stability import polygon_margin, support_polygon
 from ..types import Gait, Stance
 
 QUARTER = math.pi / 2

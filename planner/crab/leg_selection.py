@@ -13,8 +13,9 @@ from collections.abc import Callable, Iterator
 from itertools import chain
 
 from ..geometry.paths import arc_exit, line_exit
+from ..geometry.polygons import Polygon
 from ..geometry.transforms import direction
-from ..stability import Polygon, stable_interval, stable_on_arc, support_polygon
+from ..stability import stable_interval, stable_on_arc, support_polygon
 from ..terrain.cells import FootholdMap
 from .decision_log import DecisionLog, StepRefusal, note_cell, note_leg, note_reason
 from .foothold_search import domain_of, landings

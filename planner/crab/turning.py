@@ -17,12 +17,12 @@ from typing import Any, NamedTuple
 
 from ..geometry.paths import arc_exit, arc_of_command
 from ..geometry.polygons import inside_of, nearest_of
-from ..geometry.transforms import left_fold_sum
+from ..geometry.transforms import XY, left_fold_sum
 from ..motion.step_builder import changed
 from ..protocols import PlanningJob, run_to_completion
 from ..robot.model import Machine
 from ..search import Branch, Option, Search, beam, firsts, uninterruptible
-from ..stability import XY, polygon_margin, support_polygon
+from ..stability import polygon_margin, support_polygon
 from ..terrain.cells import FootholdMap, disc_of, foothold_map
 from ..terrain.map import TerrainMap
 from ..types import Blocked, Command, Gait, Reason, Stance, StepPlan

@@ -1,4 +1,4 @@
-"""Convex polygons as lists of corners, counter-clockwise: cutting them, and their nearest points.
+"""Convex polygons as corners, counter-clockwise: hulls, cuts, and nearest points.
 
 Plain floats throughout: planning loops cut polygons of four corners by the thousand.
 """
@@ -8,41 +8,78 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
-XY = tuple[float, float]
+from .transforms import XY
+
+Polygon = tuple[XY, ...]  # corners, counter-clockwise
 
 ROUNDING = 1e-9 / 4  # a corner this far outside a cut is on it: a polygon may be a mere line
 
 
-def clipped(corners: list[XY], a: float, b: float, c: float) -> list[XY]:
+def convex_hull(points: Iterable[Sequence[float]]) -> Polygon:
+    """The convex hull of points seen from above, counter-clockwise; fewer than three corners if
+    degenerate.
+    """
+    flat = [(p[0], p[1]) for p in points]
+    if len(flat) == 3:
+        a, b, c = flat
+        twice_area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+        if twice_area > 0.0:
+            return a, b, c
+        if twice_area < 0.0:
+            return a, c, b
+    flat.sort()
+    if len(flat) < 3:
+        return tuple(flat)
+    lower = _chain(flat)
+    upper = _chain(flat[::-1])
+    return (*lower[:-1], *upper[:-1])
+
+
+def _chain(points: list[XY]) -> list[XY]:
+    """The corners of one side of a hull, of sorted points."""
+    chain: list[XY] = []
+    for x, y in points:
+        while len(chain) > 1:
+            ax, ay = chain[-2]
+            bx, by = chain[-1]
+            if (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0.0:
+                break
+            chain.pop()
+        chain.append((x, y))
+    return chain
+
+
+def clipped(corners: Sequence[XY], a: float, b: float, c: float) -> list[XY]:
     """The part of a polygon where a·x + b·y + c >= 0, but for rounding: a polygon that is a mere
     line is not lost.
     """
-    kept: list[XY] = []
-    for (px, py), (qx, qy) in zip(corners, corners[1:] + corners[:1], strict=True):
-        p = a * px + b * py + c
-        q = a * qx + b * qy + c
-        if p >= -ROUNDING:
-            kept.append((px, py))
-        if (p > ROUNDING and q < -ROUNDING) or (p < -ROUNDING and q > ROUNDING):
-            w = p / (p - q)
-            kept.append((px + w * (qx - px), py + w * (qy - py)))
-    return kept
+    return _cut(corners, [a * x + b * y + c for x, y in corners], ROUNDING)
 
 
-def beside(corners: list[XY], a: XY, b: XY, inset: float) -> list[XY]:
+def beside(corners: Sequence[XY], a: XY, b: XY, inset: float) -> list[XY]:
     """The part of a polygon at least ``inset`` to the left of the line from a to b."""
     ex = b[0] - a[0]
     ey = b[1] - a[1]
     length = math.hypot(ex, ey)
+    depths = [(ex * (y - a[1]) - ey * (x - a[0])) / length - inset for x, y in corners]
+    return _cut(corners, depths, 0.0)
+
+
+def _cut(corners: Sequence[XY], depths: Sequence[float], slack: float) -> list[XY]:
+    """The part of a polygon on one side of a line, by how deep on that side each corner is; within
+    ``slack`` it is on the line.
+    """
     kept: list[XY] = []
-    for (px, py), (qx, qy) in zip(corners, corners[1:] + corners[:1], strict=True):
-        p = (ex * (py - a[1]) - ey * (px - a[0])) / length - inset
-        q = (ex * (qy - a[1]) - ey * (qx - a[0])) / length - inset
-        if p >= 0.0:
-            kept.append((px, py))
-        if (p > 0.0 > q) or (p < 0.0 < q):
+    for k, (x, y) in enumerate(corners):
+        after = k + 1 if k + 1 < len(corners) else 0
+        p = depths[k]
+        q = depths[after]
+        if p >= -slack:
+            kept.append((x, y))
+        if (p > slack and q < -slack) or (p < -slack and q > slack):
             w = p / (p - q)
-            kept.append((px + w * (qx - px), py + w * (qy - py)))
+            nx, ny = corners[after]
+            kept.append((x + w * (nx - x), y + w * (ny - y)))
     return kept
 
 
@@ -57,13 +94,13 @@ def inside_of(
     return kept
 
 
-def nearest_of(corners: list[XY], x: float, y: float) -> XY:
-    """The point of a polygon nearest to (x, y): itself where it is inside."""
+def nearest_of(corners: Sequence[XY], x: float, y: float) -> XY:
+    """The point of a polygon, counter-clockwise, nearest to (x, y): itself where it is inside."""
     best = corners[0]
     least = math.inf
     inside = True
     apart = False  # a polygon that is a mere line has no inside
-    for (px, py), (qx, qy) in zip(corners, corners[1:] + corners[:1], strict=True):
+    for (px, py), (qx, qy) in zip(corners, (*corners[1:], corners[0]), strict=True):
         ex = qx - px
         ey = qy - py
         left = ex * (y - py) - ey * (x - px)

@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from ..stability import Polygon
+from ..geometry.polygons import Polygon
 
 OFFSET_MAX = 0.05  # m aside of the reference at most; more: see legs leave their reach
 SWEEPS = 40  # of the taut string through its gates; fewer: see it cut corners by millimetres

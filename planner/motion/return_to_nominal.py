@@ -14,10 +14,11 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from ..geometry.paths import Box
+from ..geometry.polygons import Polygon, inside_of, nearest_of
 from ..geometry.transforms import XY, left_fold_sum, turned, turned_back
 from ..robot.collision import leg_in_the_way
 from ..robot.model import Machine
-from ..stability import Polygon, polygon_margin, support_polygon
+from ..stability import polygon_margin, support_polygon
 from ..terrain.map import TerrainMap
 from ..types import TICK, Blocked, Gait, Point, Reason, Stance, StepPlan
 from .body_height import torso_clearance
@@ -26,7 +27,6 @@ from .step_builder import FootWay, body_still_plan, changed, holding_plan
 from .swing import CLEARANCE, STRETCHES, SwingCorners, lift, profile_of, swing_speeds
 
 THERE = 0.01  # m; a foot this near its place stays; smaller: see feet lifted and put back
-LINE = 1e-9  # m²; an area of less is a line
 TORSO_LOOK = 0.05  # m of body shift between looks at the ground under the torso
 # m from every edge of the support polygon as a foot lifts: the first that can be kept
 INSETS = (0.03, 0.015, 0.005, 0.001)
@@ -325,11 +325,11 @@ class _OrderSearch:
         if reach is None:
             return "the feet are too far apart for the body to reach them all"
         polygon = support_polygon([(place.u, place.v) for k, place in enumerate(feet) if k != leg])
-        over = (_nearest(_cut(reach, polygon, inset), body[0], body[1]) for inset in INSETS)
-        place = next((found for found in over if found is not None), None)
-        if place is None:
+        over = (inside_of(reach, polygon, inset) for inset in INSETS if len(polygon) > 2)
+        area = next((found for found in over if found), None)
+        if area is None:
             return "the centre of gravity cannot be brought over the other feet"
-        u, v = place
+        u, v = nearest_of(area, body[0], body[1])
         low, high = self._heights(leg, feet, to)
         if low > high:
             between = "for a foot to be lifted over the ground between"
@@ -475,49 +475,3 @@ def _rectangle(feet: Sequence[_Place]) -> Polygon | None:
     if u1 > u2 + STILL or v1 > v2 + STILL:
         return None
     return (u1, v1), (u2, v1), (u2, v2), (u1, v2)
-
-
-def _cut(area: Polygon, polygon: Polygon, inset: float) -> Polygon:
-    """What of a convex area lies inside a convex polygon by ``inset``; empty when nothing does."""
-    if len(polygon) < 3:
-        return ()
-    left = list(area)
-    ax, ay = polygon[-1]
-    for bx, by in polygon:
-        ex = bx - ax
-        ey = by - ay
-        length = math.hypot(ex, ey)
-        depths = [(ex * (y - ay) - ey * (x - ax)) / length - inset for x, y in left]
-        kept: list[XY] = []
-        for k, (x, y) in enumerate(left):
-            (px, py), before, depth = left[k - 1], depths[k - 1], depths[k]
-            if (before < 0.0) != (depth < 0.0):
-                w = before / (before - depth)
-                kept.append((px + w * (x - px), py + w * (y - py)))
-            if depth >= 0.0:
-                kept.append((x, y))
-        left = kept
-        if not left:
-            return ()
-        ax, ay = bx, by
-    return tuple(left)
-
-
-def _nearest(area: Polygon, x: float, y: float) -> XY | None:
-    """The point of a convex area, counter-clockwise, nearest to (x, y); None of an empty one."""
-    best, found = math.inf, None
-    inside, twice_area = True, 0.0
-    for k, (bx, by) in enumerate(area):
-        ax, ay = area[k - 1]
-        ex, ey = bx - ax, by - ay
-        twice_area += ax * by - ay * bx
-        if ex * (y - ay) - ey * (x - ax) < 0.0:
-            inside = False
-        size = ex * ex + ey * ey
-        w = max(0.0, min(1.0, ((x - ax) * ex + (y - ay) * ey) / size)) if size > 0.0 else 0.0
-        px, py = ax + w * ex, ay + w * ey
-        distance = math.hypot(px - x, py - y)
-        if distance < best:
-            best, found = distance, (px, py)
-    # a line, where the legs give no room across it, has no inside
-    return (x, y) if inside and twice_area > LINE else found

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from ..geometry.paths import EDGE, FOREVER, ArcPath, Box
+from ..geometry.polygons import clipped
 from ..geometry.transforms import XY, Point, direction
 from .chains import JointSpan, LegChain
 from .kinematics import forward, inverse
@@ -214,7 +215,7 @@ def convex_inside(region: ReachRegion, centre: XY) -> ReachRegion:
             return ReachRegion(corners)
         nx = centre[0] - dent[0]
         ny = centre[1] - dent[1]
-        corners = _cut(corners, nx, ny, nx * dent[0] + ny * dent[1])
+        corners = tuple(clipped(corners, nx, ny, -(nx * dent[0] + ny * dent[1])))
     return ReachRegion(corners)
 
 
@@ -227,20 +228,6 @@ def _first_dent(corners: Sequence[XY], centre: XY) -> XY | None:
         if _left_of(a, b, c) < -PARALLEL
     ]
     return min(dents, key=lambda p: math.dist(p, centre), default=None)
-
-
-def _cut(corners: Sequence[XY], nx: float, ny: float, offset: float) -> tuple[XY, ...]:
-    """The part of a polygon where n·p >= offset."""
-    kept: list[XY] = []
-    for (ax, ay), (bx, by) in zip(corners, (*corners[1:], corners[0]), strict=True):
-        a = nx * ax + ny * ay - offset
-        b = nx * bx + ny * by - offset
-        if a >= -PARALLEL:
-            kept.append((ax, ay))
-        if (a > PARALLEL and b < -PARALLEL) or (a < -PARALLEL and b > PARALLEL):
-            share = a / (a - b)
-            kept.append((ax + share * (bx - ax), ay + share * (by - ay)))
-    return tuple(kept)
 
 
 def _left_of(a: XY, b: XY, c: XY) -> float:

@@ -10,7 +10,7 @@ from walking_console.planner.stability import polygon_margin, support_polygon
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.trace.footholds import AIR
 from walking_console.planner.trace.lane import Lane
-from walking_console.planner.trace.paths import trace_from
+from walking_console.planner.trace.paths import trace_for
 from walking_console.planner.trace.reachability import Reachability
 from walking_console.planner.trace.stability_table import MARGIN
 
@@ -21,7 +21,7 @@ NEAR = 1e-6
 
 
 def along(kind: str, terrain: TerrainMap, rows: tuple[float, ...] = (0.0,)) -> Reachability:
-    course = trace_from({"kind": kind}, HEXAPOD.yaw_length)
+    course = trace_for({"kind": kind}, HEXAPOD)
     x, y, yaw = course.x[:COUNT], course.y[:COUNT], course.yaw[:COUNT]
     lane = Lane(
         np.stack([x for _ in rows]),

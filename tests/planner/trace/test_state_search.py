@@ -12,11 +12,10 @@ from walking_console.planner.geometry.paths import SampledPath
 from walking_console.planner.protocols import run_to_completion
 from walking_console.planner.robot.model import Machine, load_machine
 from walking_console.planner.terrain.map import TerrainMap
-from walking_console.planner.trace.footholds import AIR
 from walking_console.planner.trace.lane import Lane
 from walking_console.planner.trace.reachability import Reachability
 from walking_console.planner.trace.state_search import search
-from walking_console.planner.trace.state_sequence import SupportState, end_of, k_step
+from walking_console.planner.trace.state_sequence import SupportState, end_of
 
 HEXAPOD = load_machine("hexapod")
 
@@ -40,14 +39,6 @@ def field_on_trace(
         ),
         0,
     )
-
-
-def test_on_open_ground_the_leg_that_must_leave_first_is_lifted_and_put_down_ahead() -> None:
-    reachable, start = field_on_trace(field_of(1.0, 0, HEXAPOD), 160)
-    lifted, down = k_step(reachable, start) or []
-    leg = min(range(6), key=lambda i: reachable.footholds[start.feet[i]].last)
-    assert lifted.feet[leg] == AIR and down.feet[leg] >= 0
-    assert reachable.footholds[down.feet[leg]].last > reachable.footholds[start.feet[leg]].last
 
 
 def test_successive_states_overlap() -> None:

@@ -1,0 +1,71 @@
+"""Where footholds of a trace walk may be."""
+
+import numpy as np
+
+from tests.planner.trace.rollout import field_of, gait_of
+from walking_console.planner.robot.model import load_machine
+from walking_console.planner.trace.footholds import (
+    AIR,
+    DENSE,
+    Foothold,
+    allowed_cells,
+    legs_clear,
+    thinning,
+    within_reach,
+)
+from walking_console.planner.trace.lane import Lane
+
+HEXAPOD = load_machine("hexapod")
+COUNT = 100
+ALONG = np.arange(COUNT) * 0.02
+LANE = Lane(
+    ALONG[None],
+    np.zeros((1, COUNT)),
+    np.zeros(COUNT),
+    np.full(COUNT, gait_of(HEXAPOD).height),
+)
+
+
+def test_cells_are_allowed_ones_and_none_in_reach_is_left_out() -> None:
+    terrain = field_of(0.2, 1, HEXAPOD)
+    px, py, pz = allowed_cells(LANE, terrain, HEXAPOD, 1)
+    assert all(terrain.allows(x, y) for x, y in zip(px, py, strict=True))
+    assert (pz == 0.0).all()
+    found = set(zip(px.tolist(), py.tolist(), strict=True))
+    for row, column in zip(*np.nonzero(~terrain.forbidden), strict=True):
+        x, y = terrain.centre(int(row), int(column))
+        for leg in HEXAPOD.legs:
+            x1, x2, y1, y2 = leg.box
+            if x1 <= x <= x2 + ALONG[-1] and y1 <= y <= y2:
+                assert (x, y) in found
+
+
+def test_a_thinned_map_keeps_one_cell_of_each_square() -> None:
+    terrain = field_of(1.0, 0, HEXAPOD)
+    px, py, _ = allowed_cells(LANE, terrain, HEXAPOD, 3)
+    squares = {
+        (terrain.cell_at(x, y)[0] // 3, terrain.cell_at(x, y)[1] // 3)
+        for x, y in zip(px, py, strict=True)
+    }
+    assert len(squares) == len(px)
+    rows, columns = within_reach(LANE, terrain, HEXAPOD)
+    assert len(px) >= (rows.stop - rows.start) * (columns.stop - columns.start) / 9
+
+
+def test_dense_ground_is_thinned_to_about_dense_footholds_a_rectangle_and_thin_ground_is_not() -> (
+    None
+):
+    terrain = field_of(1.0, 0, HEXAPOD)
+    thin = thinning(LANE, terrain, HEXAPOD)
+    area = max((leg.x[1] - leg.x[0]) * (leg.y[1] - leg.y[0]) for leg in HEXAPOD.legs)
+    offered = area / (thin * terrain.cell) ** 2
+    assert DENSE / 2 < offered < 2 * DENSE
+    assert thinning(LANE, field_of(0.03, 0, HEXAPOD), HEXAPOD) == 1
+
+
+def test_legs_are_clear_when_feet_are_two_radii_apart() -> None:
+    holds = [Foothold(0, 0.0, 0.0, 0.0, 9), Foothold(1, 0.1, 0.0, 0.0, 9)]
+    assert legs_clear(holds, (0, AIR), holds[1], 0.05)
+    assert not legs_clear(holds, (0, AIR), holds[1], 0.051)
+    assert legs_clear(holds, (AIR, AIR), holds[1], 0.2)
+    assert legs_clear(holds, (0, AIR), Foothold(0, 0.0, 0.0, 0.0, 9), 0.2), "its own foothold"
