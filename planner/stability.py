@@ -9,7 +9,7 @@ costs seven times as much.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from .geometry.polygons import Polygon, convex_hull
 from .geometry.transforms import XY
@@ -37,12 +37,14 @@ def stable_interval(
     On a straight course this is K's existence segment of a state, and s_low is H's D(X) for a
     triangle not yet entered.
     """
-    low, high = -math.inf, math.inf
+    low = -math.inf
+    high = math.inf
     if len(polygon) < 3:
         return math.inf, -math.inf
     ax, ay = polygon[-1]
     for bx, by in polygon:
-        ex, ey = bx - ax, by - ay
+        ex = bx - ax
+        ey = by - ay
         distance = ex * (y - ay) - ey * (x - ax)  # > 0 inside this edge
         rate = ex * uy - ey * ux
         if rate > 1e-12:
@@ -55,15 +57,16 @@ def stable_interval(
                 high = s
         elif distance < 0.0:
             return math.inf, -math.inf
-        ax, ay = bx, by
+        ax = bx
+        ay = by
     return (low, high) if low <= high else (math.inf, -math.inf)
 
 
 def stable_on_arc(
     polygon: Polygon, ux: float, uy: float, turn: float, inset: float = 0.0
 ) -> tuple[float, float]:
-    """As ``stable_interval``, for a course of constant curvature from the origin
-    (``ArcPath``), keeping ``inset`` from every edge.
+    """The s over which a course of constant curvature from the origin (``ArcPath``) is inside,
+    keeping ``inset`` from every edge.
 
     Closed form: the way runs on a circle about the turning centre, an edge cuts one window of
     angles out of it. Of the windows that come round again after each full turn the first that is
@@ -72,25 +75,16 @@ def stable_on_arc(
     """
     if len(polygon) < 3:
         return math.inf, -math.inf
-    cx, cy = (-uy / turn, ux / turn) if turn != 0.0 else (0.0, 0.0)
-    radius, start, side = math.hypot(cx, cy), math.atan2(-cy, -cx), 1.0 if turn > 0.0 else -1.0
-    low, high = -math.inf, math.inf
-    ax, ay = polygon[-1]
-    for bx, by in polygon:
-        ex, ey = bx - ax, by - ay
-        length = math.sqrt(ex * ex + ey * ey)
-        nx, ny = -ey / length, ex / length  # into the polygon
-        depth = nx * (cx - ax) + ny * (cy - ay) - inset  # of the turning centre inside this edge
-        ax, ay = bx, by
-        if turn == 0.0:
-            rate = nx * ux + ny * uy
-            if rate > 1e-12:
-                low = max(low, -depth / rate)
-            elif rate < -1e-12:
-                high = min(high, -depth / rate)
-            elif depth < 0.0:
-                return math.inf, -math.inf
-            continue
+    if turn == 0.0:
+        return _stable_on_line(polygon, ux, uy, inset)
+    cx = -uy / turn
+    cy = ux / turn
+    radius = math.hypot(cx, cy)
+    start = math.atan2(-cy, -cx)
+    side = 1.0 if turn > 0.0 else -1.0
+    low = -math.inf
+    high = math.inf
+    for nx, ny, depth in _depths(polygon, cx, cy, inset):
         if depth >= radius:
             continue
         if depth < -radius:
@@ -98,10 +92,44 @@ def stable_on_arc(
         half = math.acos(-depth / radius)
         middle = side * (math.atan2(ny, nx) - start)
         end = (middle + half + OVER) % (2 * math.pi) - OVER
-        low, high = max(low, end - 2 * half), min(high, end)
-    if turn != 0.0:
-        low, high = low / abs(turn), high / abs(turn)
+        low = max(low, end - 2 * half)
+        high = min(high, end)
+    low = low / abs(turn)
+    high = high / abs(turn)
     return (low, high) if low <= high else (math.inf, -math.inf)
+
+
+def _stable_on_line(polygon: Polygon, ux: float, uy: float, inset: float) -> tuple[float, float]:
+    """``stable_on_arc`` of an arc of turn 0."""
+    low = -math.inf
+    high = math.inf
+    for nx, ny, depth in _depths(polygon, 0.0, 0.0, inset):
+        rate = nx * ux + ny * uy
+        if rate > 1e-12:
+            low = max(low, -depth / rate)
+        elif rate < -1e-12:
+            high = min(high, -depth / rate)
+        elif depth < 0.0:
+            return math.inf, -math.inf
+    return (low, high) if low <= high else (math.inf, -math.inf)
+
+
+def _depths(
+    polygon: Polygon, x: float, y: float, inset: float
+) -> Iterator[tuple[float, float, float]]:
+    """The unit vector into the polygon and how deep inside a point is by more than ``inset``, for
+    every edge.
+    """
+    ax, ay = polygon[-1]
+    for bx, by in polygon:
+        ex = bx - ax
+        ey = by - ay
+        length = math.sqrt(ex * ex + ey * ey)
+        nx = -ey / length
+        ny = ex / length
+        yield nx, ny, nx * (x - ax) + ny * (y - ay) - inset
+        ax = bx
+        ay = by
 
 
 def polygon_margin(polygon: Polygon, x: float, y: float) -> float:
@@ -113,11 +141,13 @@ def polygon_margin(polygon: Polygon, x: float, y: float) -> float:
     least = math.inf
     ax, ay = polygon[-1]
     for bx, by in polygon:
-        ex, ey = bx - ax, by - ay
+        ex = bx - ax
+        ey = by - ay
         distance = (ex * (y - ay) - ey * (x - ax)) / math.sqrt(ex * ex + ey * ey)
         if distance < least:
             least = distance
-        ax, ay = bx, by
+        ax = bx
+        ay = by
     return least
 
 
@@ -174,20 +204,29 @@ def energy_margin(points: Sequence[Sequence[float]], centre: Sequence[float]) ->
         return -math.inf
     least = math.inf
     for a_xy, b_xy in zip(polygon, (*polygon[1:], polygon[0]), strict=True):
-        a, b = corner[a_xy], corner[b_xy]
+        a = corner[a_xy]
+        b = corner[b_xy]
         least = min(least, _rise_over(a, b, centre))
     return least
 
 
 def _rise_over(a: Sequence[float], b: Sequence[float], centre: Sequence[float]) -> float:
     """Rise of ``centre`` when it swings about the line a-b up to the vertical plane through it."""
-    ex, ey, ez = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+    ex = b[0] - a[0]
+    ey = b[1] - a[1]
+    ez = b[2] - a[2]
     length = math.sqrt(ex * ex + ey * ey + ez * ez)
-    ex, ey, ez = ex / length, ey / length, ez / length
-    rx, ry, rz = centre[0] - a[0], centre[1] - a[1], centre[2] - a[2]
+    ex = ex / length
+    ey = ey / length
+    ez = ez / length
+    rx = centre[0] - a[0]
+    ry = centre[1] - a[1]
+    rz = centre[2] - a[2]
     along = rx * ex + ry * ey + rz * ez
     # from the axis to the centre, square to it
-    rx, ry, rz = rx - along * ex, ry - along * ey, rz - along * ez
+    rx = rx - along * ex
+    ry = ry - along * ey
+    rz = rz - along * ez
     radius = math.sqrt(rx * rx + ry * ry + rz * rz)
     rise = radius * math.sqrt(max(0.0, 1.0 - ez * ez)) - rz
     inside = (b[0] - a[0]) * (centre[1] - a[1]) - (b[1] - a[1]) * (centre[0] - a[0]) >= 0.0

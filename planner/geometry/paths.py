@@ -39,13 +39,15 @@ class ArcPath(NamedTuple):
         if self.turn == 0.0:
             return self.ux * s, self.uy * s, 0.0
         angle = self.turn * s
-        sine, versine = math.sin(angle) / self.turn, (1.0 - math.cos(angle)) / self.turn
+        sine = math.sin(angle) / self.turn
+        versine = (1.0 - math.cos(angle)) / self.turn
         return self.ux * sine - self.uy * versine, self.ux * versine + self.uy * sine, angle
 
     def seen(self, x: float, y: float, s: float) -> tuple[float, float]:
         """A standing foot, now at (x, y) in body axes, as the body sees it after s."""
         dx, dy, angle = self.pose(s)
-        x, y = x - dx, y - dy
+        x = x - dx
+        y = y - dy
         if angle == 0.0:
             return x, y
         c, d = math.cos(angle), math.sin(angle)
@@ -115,16 +117,19 @@ def line_segment(x: float, y: float, box: Box, ux: float, uy: float) -> tuple[fl
     """The interval of s over which a standing foot is inside the rectangle on a straight course;
     (inf, -inf) if never.
     """
-    s1, s2 = -FOREVER, FOREVER
+    s1 = -FOREVER
+    s2 = FOREVER
     for position, direction, low, high in ((x, ux, box[0], box[1]), (y, uy, box[2], box[3])):
         if abs(direction) < 1e-12:
             if not low - EDGE <= position <= high + EDGE:
                 return FOREVER, -FOREVER
             continue
-        a, b = (position - high) / direction, (position - low) / direction
+        a = (position - high) / direction
+        b = (position - low) / direction
         if a > b:
             a, b = b, a
-        s1, s2 = max(s1, a), min(s2, b)
+        s1 = max(s1, a)
+        s2 = min(s2, b)
     return (s1, s2) if s1 <= s2 + EDGE else (FOREVER, -FOREVER)
 
 
@@ -138,8 +143,10 @@ def arc_exit(x: float, y: float, box: Box, arc: ArcPath, outside: float = EDGE) 
     """
     if arc.turn == 0.0:
         return max(0.0, line_exit(x, y, box, arc.ux, arc.uy))
-    cx, cy = -arc.uy / arc.turn, arc.ux / arc.turn
-    rx, ry = x - cx, y - cy
+    cx = -arc.uy / arc.turn
+    cy = arc.ux / arc.turn
+    rx = x - cx
+    ry = y - cy
     radius = math.hypot(rx, ry)
     if radius < 1e-12:
         return FOREVER if _inside(x, y, box) else 0.0
@@ -164,11 +171,11 @@ def arc_exit(x: float, y: float, box: Box, arc: ArcPath, outside: float = EDGE) 
 
 
 def _arc_segment(x: float, y: float, box: Box, arc: ArcPath) -> tuple[float, float]:
-    """Existence segment on an arc, closed form: in body axes the foot circles the turning
-    centre.
-    """
-    cx, cy = -arc.uy / arc.turn, arc.ux / arc.turn
-    radius, start = math.hypot(x - cx, y - cy), math.atan2(y - cy, x - cx)
+    """Existence segment on an arc, closed form: in body axes the foot goes on a circle."""
+    cx = -arc.uy / arc.turn
+    cy = arc.ux / arc.turn
+    radius = math.hypot(x - cx, y - cy)
+    start = math.atan2(y - cy, x - cx)
     crossings = sorted(
         (start - angle) / arc.turn + turn * abs(2 * math.pi / arc.turn)
         for angle in _edge_angles(cx, cy, radius, box)
@@ -228,8 +235,8 @@ class SampledPath:
     def __post_init__(self) -> None:
         if not len(self.x) == len(self.y) == len(self.yaw) >= 1:
             raise ValueError(
-                f"a course needs as many x, y and yaw, at least one: got {len(self.x)},"
-                f" {len(self.y)}, {len(self.yaw)}"
+                "a course needs as many x, y and yaw, at least one: "
+                f"got {len(self.x)}, {len(self.y)}, {len(self.yaw)}"
             )
         for array in (self.x, self.y, self.yaw):
             array.setflags(write=False)
@@ -252,8 +259,11 @@ class SampledPath:
         """x, y, yaw after s; held at the ends."""
         at = min(max(s / self.step, 0.0), float(self.last))
         k = min(int(at), max(self.last - 1, 0))
-        part, nxt = at - k, min(k + 1, self.last)
-        x, y, yaw = self.x, self.y, self.yaw
+        part = at - k
+        nxt = min(k + 1, self.last)
+        x = self.x
+        y = self.y
+        yaw = self.yaw
         return (
             float(x[k] + part * (x[nxt] - x[k])),
             float(y[k] + part * (y[nxt] - y[k])),

@@ -112,5 +112,6 @@ def nearest_of(corners: Sequence[XY], x: float, y: float) -> XY:
         ny = py + w * ey
         away = (nx - x) * (nx - x) + (ny - y) * (ny - y)
         if away < least:
-            best, least = (nx, ny), away
+            best = (nx, ny)
+            least = away
     return (x, y) if inside and apart else best

@@ -13,8 +13,9 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
+from ..types import Point as Point
+
 XY = tuple[float, float]
-Point = tuple[float, float, float]
 Pose = tuple[float, float, float]  # x m, y m, yaw rad
 Body = tuple[float, float, float, float]  # x m, y m, z m, yaw rad
 Matrix = tuple[Point, Point, Point]  # rows of a rotation matrix
@@ -51,7 +52,8 @@ def placed(pose: Pose, x: float, y: float) -> XY:
 def seen(pose: Pose, x: float, y: float) -> XY:
     """A point at (x, y) of the absolute frame in the axes of a body at ``pose``, m."""
     c, s = math.cos(pose[2]), math.sin(pose[2])
-    x, y = x - pose[0], y - pose[1]
+    x = x - pose[0]
+    y = y - pose[1]
     return c * x + s * y, c * y - s * x
 
 

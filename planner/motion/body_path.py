@@ -46,12 +46,13 @@ def lateral_bounds(
 ) -> tuple[float, float]:
     """Offsets along the unit vector ``across`` at which (x, y) keeps ``margin`` inside the polygon.
 
-    Bounds are cut to ``OFFSET_MAX``. Where no offset keeps the margin both bounds are the offset
-    that keeps most of it. ``polygon`` is convex and counter-clockwise; (0, 0) without one.
+    Bounds are cut to ``OFFSET_MAX``. Where no offset keeps the margin both are the offset that
+    keeps most of it. ``polygon`` is convex and counter-clockwise; (0, 0) without one.
     """
     if len(polygon) < 3:
         return 0.0, 0.0
-    low, high = -OFFSET_MAX, OFFSET_MAX
+    low = -OFFSET_MAX
+    high = OFFSET_MAX
     lines = _edges_across(polygon, x, y, across)
     for depth, rate in lines:
         if rate > 1e-9:
@@ -71,12 +72,14 @@ def _edges_across(
     lines = []
     ax, ay = polygon[-1]
     for bx, by in polygon:
-        ex, ey = bx - ax, by - ay
+        ex = bx - ax
+        ey = by - ay
         length = (ex * ex + ey * ey) ** 0.5
         depth = (ex * (y - ay) - ey * (x - ax)) / length
         rate = (ex * across[1] - ey * across[0]) / length
         lines.append((depth, rate))
-        ax, ay = bx, by
+        ax = bx
+        ay = by
     return lines
 
 
@@ -97,7 +100,8 @@ def _deepest(lines: list[tuple[float, float]]) -> float:
 
 def meeting(one: tuple[float, float], other: tuple[float, float]) -> tuple[float, float]:
     """The bounds that two pairs of bounds share; the middle of the gap when they share nothing."""
-    low, high = max(one[0], other[0]), min(one[1], other[1])
+    low = max(one[0], other[0])
+    high = min(one[1], other[1])
     if low <= high:
         return low, high
     middle = (low + high) / 2
@@ -108,8 +112,8 @@ def through_gates(start: Knot, keys: Sequence[Key]) -> list[Knot]:
     """The offset and its rate at ``start`` and at every key after it.
 
     The offsets are those of the shortest way in the plane of time and offset (its square, so that
-    the answer is one linear pass after the other: a fixed count of Gauss-Seidel sweeps, projected
-    on the bounds). The last rate is 0: beyond what is foreseen the body goes along the reference.
+    the answer is one linear pass after the other: a fixed count of Gauss-Seidel sweeps, cut to
+    the bounds). The last rate is 0: beyond what is foreseen the body goes along the reference.
     """
     times = [start.time, *(key.time for key in keys)]
     values = [start.value, *(min(max(0.0, key.low), key.high) for key in keys)]
@@ -139,13 +143,15 @@ def monotone_rates(
     """
     rates = [first]
     for k in range(1, len(times) - 1):
-        before, after = times[k] - times[k - 1], times[k + 1] - times[k]
+        before = times[k] - times[k - 1]
+        after = times[k + 1] - times[k]
         slope = (values[k] - values[k - 1]) / max(before, SHORTEST)
         next_slope = (values[k + 1] - values[k]) / max(after, SHORTEST)
         if slope * next_slope <= 0.0:
             rates.append(0.0)
             continue
-        weight, next_weight = 2.0 * after + before, after + 2.0 * before
+        weight = 2.0 * after + before
+        next_weight = after + 2.0 * before
         rates.append((weight + next_weight) / (weight / slope + next_weight / next_slope))
     if len(times) > 1:
         rates.append(last)

@@ -27,14 +27,14 @@ LEVEL: Lean = (0.0, 0.0)
 LEAN_STEP = 0.02
 LEANING = 25.0  # s in which it leans over by 1 m per m on feet that stand: 1 s for 2.3°
 # m of map around the body that is sheared, or times its reach; by how much the window moves
-WINDOW, REACHES, MARK = 5.0, 7.0, 1.0
+WINDOW = 5.0
+REACHES = 7.0
+MARK = 1.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ShearedFrame:
-    """What planning sees: stance and map with the lean taken out, and the machine that fits
-    there.
-    """
+    """What planning sees: stance and map with the lean taken out, and the machine fit for it."""
 
     stance: Stance
     terrain: TerrainMap
@@ -150,7 +150,8 @@ def leaning(stance: Stance, terrain: TerrainMap, machine: Machine) -> ShearedFra
 
 def approached(lean: Lean, target: Lean) -> Lean:
     """``target``, or as far towards it as one step leans."""
-    dx, dy = target[0] - lean[0], target[1] - lean[1]
+    dx = target[0] - lean[0]
+    dy = target[1] - lean[1]
     way = math.hypot(dx, dy)
     return (
         target

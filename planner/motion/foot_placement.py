@@ -12,6 +12,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
+from ..geometry.transforms import direction, point_seen
 from ..robot.model import Leg, Machine
 from ..terrain.map import TerrainMap
 from ..types import Blocked, Gait, Point, Reason, Stance, StepPlan
@@ -92,7 +93,8 @@ def nearest_ground(stance: Stance, leg: int, terrain: TerrainMap, machine: Machi
     cell centre.
     """
     x, y, _ = stance.feet[leg]
-    spec, reach = machine.legs[leg], 0.0
+    spec = machine.legs[leg]
+    reach = 0.0
     for reach in (0.0, min(machine.overreach[:2])):
         if _fits(x, y, stance, spec, terrain, machine, reach):
             return x, y, terrain.height_at(x, y)
@@ -117,12 +119,10 @@ def _fits(
     machine: Machine,
     reach: float,
 ) -> bool:
-    """In the reach rectangle, on a cell that may be stepped on, at a height the leg can stand
-    at.
-    """
+    """In the reach rectangle, on an allowed cell, at a height the leg can stand at."""
     if not terrain.allows(x, y):
         return False
-    bx, by = _in_body(x, y, stance.body)
+    bx, by, _ = point_seen(stance.body, (x, y, 0.0))
     if not (
         leg.x[0] - reach <= bx <= leg.x[1] + reach and leg.y[0] - reach <= by <= leg.y[1] + reach
     ):
@@ -149,7 +149,7 @@ def _centres_in_reach(
         for cx in (leg.x[0] - reach, leg.x[1] + reach)
         for cy in (leg.y[0] - reach, leg.y[1] + reach)
     ]
-    c, s = math.cos(yaw), math.sin(yaw)
+    c, s = direction(yaw)
     xs = [x + c * cx - s * cy for cx, cy in corners]
     ys = [y + s * cx + c * cy for cx, cy in corners]
     c0, c1 = (math.floor((v - terrain.origin[0]) / terrain.cell) for v in (min(xs), max(xs)))
@@ -159,9 +159,3 @@ def _centres_in_reach(
         for row in range(max(r0, 0), min(r1, terrain.rows - 1) + 1)
         for column in range(max(c0, 0), min(c1, terrain.columns - 1) + 1)
     ]
-
-
-def _in_body(x: float, y: float, body: tuple[float, float, float, float]) -> tuple[float, float]:
-    c, s = math.cos(body[3]), math.sin(body[3])
-    x, y = x - body[0], y - body[1]
-    return c * x + s * y, c * y - s * x

@@ -118,7 +118,9 @@ def shifted(stance: Stance, places: Sequence[Point], machine: Machine, gait: Gai
         for tau, share in profile_of(gait):
             times.append(begun + tau * seconds)
             rows.append((x + share * (px - x), y + share * (py - y), z + share * (pz - z), yaw))
-        x, y, z = px, py, pz
+        x = px
+        y = py
+        z = pz
     if len(times) == 1:
         return ()
     rows[-1] = (x, y, z, yaw)

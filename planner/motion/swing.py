@@ -76,7 +76,8 @@ def stairs(profile: Profile, pieces: int = 1) -> Iterator[XY]:
         count = max(1, math.ceil(pieces * (tau - before)))
         for k in range(1, count + 1):
             yield before + (tau - before) * k / count, done + (eased - done) * k / count
-        before, done = tau, eased
+        before = tau
+        done = eased
 
 
 def between(a: Point, b: Point, share: float) -> Point:

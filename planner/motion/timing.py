@@ -131,11 +131,18 @@ class BodyWay:
         if self.path.turn != 0.0:
             return self._bent_stretch(phase, time, share, a, b, profile)
         x, y, z, yaw = self.body
-        dx, dy, dz = self.dx, self.dy, self.dz
-        (t, duration), (begin, way) = time, share
+        dx = self.dx
+        dy = self.dy
+        dz = self.dz
+        (t, duration) = time
+        (begin, way) = share
         carried = way if phase is Phase.RETURN else 0.0
-        cx, cy, cz = carried * dx, carried * dy, carried * dz
-        rx, ry, rz = b[0] - a[0] - cx, b[1] - a[1] - cy, b[2] - a[2] - cz
+        cx = carried * dx
+        cy = carried * dy
+        cz = carried * dz
+        rx = b[0] - a[0] - cx
+        ry = b[1] - a[1] - cy
+        rz = b[2] - a[2] - cz
         ax, ay, az = a
         rows: list[FootKnot] = []
         for tau, eased in profile:
@@ -152,7 +159,8 @@ class BodyWay:
     def _bent_stretch(
         self, phase: Phase, time: Span, share: Span, a: Point, b: Point, profile: Profile
     ) -> list[FootKnot]:
-        (t, duration), (begin, way) = time, share
+        (t, duration) = time
+        (begin, way) = share
         from_b = point_seen(self.at(begin), a)
         to_b = point_seen(self.at(begin + way), b)
         rows: list[FootKnot] = []
@@ -274,7 +282,8 @@ def _swing_speed(
     command, standing = at_most
     kappa = peak(profile_of(gait))
     g_u = demand.g - demand.g0
-    (nx, ny), slope = demand.courses[0], demand.slope
+    (nx, ny) = demand.courses[0]
+    slope = demand.slope
     sinking = _sinking(demand, limits)
     v = v_max = 0.0
     # the body's own climb slows the lift, and the slower lift the climb: the second pass is

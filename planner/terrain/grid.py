@@ -103,9 +103,7 @@ class HeightGrid:
             )
 
     def window(self, x_min: float, x_max: float, y_min: float, y_max: float) -> Window:
-        """The cells that an axis-aligned rectangle touches, as far as the grid goes; may be
-        empty.
-        """
+        """The cells that an axis-aligned rectangle touches, as far as the grid goes; or none."""
         rows = _span(y_min, y_max, self.origin[1], self.cell, self.rows)
         return rows, _span(x_min, x_max, self.origin[0], self.cell, self.columns)
 

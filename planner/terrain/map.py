@@ -124,9 +124,7 @@ class TerrainMap(HeightGrid):
         return flat >= 0 and not self.forbidden_bytes[flat]
 
     def crest_between(self, ax: float, ay: float, bx: float, by: float) -> float:
-        """Highest ground a foot passes on the straight way from a to b, m; −inf when there is
-        none.
-        """
+        """Highest ground a foot passes on the straight way from a to b, m; −inf over none."""
         steps = max(1, math.ceil(math.hypot(bx - ax, by - ay) / self.cell))
         dx = (bx - ax) / (steps * self.cell)
         dy = (by - ay) / (steps * self.cell)

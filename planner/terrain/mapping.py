@@ -16,14 +16,12 @@ from numpy.typing import NDArray
 
 from ..geometry.transforms import left_fold_sum
 from ..robot.model import Machine
-from ..types import Point
+from ..types import Array, Point
 from .grid import Window, grown, within
 from .map import TerrainMap
 from .traversability import RISE_WINDOW, Kind, kinds, sole_cells
 
-Array = NDArray[np.float64]
 Index = NDArray[np.intp]
-Cells = Iterable[tuple[int, int]]
 
 LOOKS_MAX = 16  # looks averaged; more and a map hardly follows ground that changes
 JUMP = 0.05  # m; a look this far off the mean is no noise: the newest is believed
@@ -51,8 +49,8 @@ class ElevationMapper:
     ) -> None:
         if unknown not in TREATMENTS:
             raise ValueError(
-                f"unknown treatment of unknown ground {unknown!r}; there are:"
-                f" {', '.join(TREATMENTS)}"
+                f"unknown treatment of unknown ground {unknown!r}; "
+                f"there are: {', '.join(TREATMENTS)}"
             )
         self.machine = machine
         self.unknown = unknown
@@ -76,7 +74,11 @@ class ElevationMapper:
     # what comes in
 
     def see(
-        self, rows: Index, columns: Index, heights: Array, sides: NDArray[np.bool_] | None = None
+        self,
+        rows: NDArray[np.intp],
+        columns: NDArray[np.intp],
+        heights: Array,
+        sides: NDArray[np.bool_] | None = None,
     ) -> None:
         """Returns of one look, no cell twice. NaN is a hole; of ``sides`` only "at least this high"
         is known.
@@ -123,11 +125,11 @@ class ElevationMapper:
                 np.full(rows.shape, LOOKS_MAX, dtype=np.uint8),
             )
 
-    def learn(self, cells: Cells) -> None:
+    def learn(self, cells: Iterable[tuple[int, int]]) -> None:
         """No foot may land here again: touch has shown it."""
         self._mark(cells, True)
 
-    def forget(self, cells: Cells) -> None:
+    def forget(self, cells: Iterable[tuple[int, int]]) -> None:
         """Take back what was learnt, when the operator says so."""
         self._mark(cells, False)
 
@@ -154,7 +156,11 @@ class ElevationMapper:
         self._note(rows.start, rows.stop - 1, columns.start, columns.stop - 1)
 
     def observe(
-        self, rows: Index, columns: Index, heights: Array, sides: NDArray[np.bool_] | None = None
+        self,
+        rows: NDArray[np.intp],
+        columns: NDArray[np.intp],
+        heights: Array,
+        sides: NDArray[np.bool_] | None = None,
     ) -> TerrainMap:
         """See and publish."""
         self.see(rows, columns, heights, sides)
@@ -184,9 +190,7 @@ class ElevationMapper:
         return self.map
 
     def _filled(self, inner: Window, outer: Window) -> Array:
-        """Heights with the gaps filled: by the known ground around, else by the level of the
-        feet.
-        """
+        """Heights with the gaps filled: by the known ground around, else the level of the feet."""
         heights = self.heights[outer]
         known = self.known[outer]
         if known.all():
@@ -214,7 +218,13 @@ class ElevationMapper:
 
     # bookkeeping
 
-    def _write(self, rows: Index, columns: Index, heights: Array, looks: NDArray[np.uint8]) -> None:
+    def _write(
+        self,
+        rows: NDArray[np.intp],
+        columns: NDArray[np.intp],
+        heights: Array,
+        looks: NDArray[np.uint8],
+    ) -> None:
         before = self.map.heights[rows, columns]
         was_known = self.known[rows, columns]
         same = (np.abs(heights - before) <= REPLAN_THRESHOLD) | (
@@ -229,7 +239,7 @@ class ElevationMapper:
             columns = columns[news]
             self._note(int(rows.min()), int(rows.max()), int(columns.min()), int(columns.max()))
 
-    def _mark(self, cells: Cells, learnt: bool) -> None:
+    def _mark(self, cells: Iterable[tuple[int, int]], learnt: bool) -> None:
         for row, column in cells:
             self.map.need_cell(row, column)
             if self.learnt[row, column] != learnt:
@@ -239,7 +249,10 @@ class ElevationMapper:
     def _note(self, r0: int, r1: int, c0: int, c1: int) -> None:
         if self._changed:
             a, b, c, d = self._changed
-            r0, r1, c0, c1 = min(a, r0), max(b, r1), min(c, c0), max(d, c1)
+            r0 = min(a, r0)
+            r1 = max(b, r1)
+            c0 = min(c, c0)
+            c1 = max(d, c1)
         self._changed = [r0, r1, c0, c1]
 
 

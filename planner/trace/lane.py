@@ -34,7 +34,7 @@ class Lane(NamedTuple):
     z: Array  # (count,), height of the centre of gravity
 
 
-class Stretch(NamedTuple):
+class TraceWindow(NamedTuple):
     """The part of a trace that is looked along, as sample numbers of the trace."""
 
     first: int
@@ -44,7 +44,7 @@ class Stretch(NamedTuple):
 
 def lane_along(
     trace: SampledPath,
-    stretch: Stretch,
+    window: TraceWindow,
     stance: Stance,
     terrain: TerrainMap,
     machine: Machine,
@@ -54,19 +54,19 @@ def lane_along(
     """The body's poses: through where it is now, back to the trace over JOIN, and beside it up to
     ``aside`` m in every row.
     """
-    part = slice(stretch.first, stretch.last + 1)
+    part = slice(window.first, window.last + 1)
     x = trace.x[part].copy()
     y = trace.y[part].copy()
     yaw = trace.yaw[part].copy()
     across_x, across_y, moving = _across(x, y, yaw)
-    away = np.abs(np.arange(stretch.first, stretch.last + 1) - stretch.now) * trace.step
+    away = np.abs(np.arange(window.first, window.last + 1) - window.now) * trace.step
     fade = np.clip(1.0 - away / (JOIN * machine.torso[0]), 0.0, 1.0)
-    off_x, off_y, off_yaw, turns = _off_trace(trace, stretch.now, stance)
+    off_x, off_y, off_yaw, turns = _off_trace(trace, window.now, stance)
     x = x + fade * off_x
     y = y + fade * off_y
     yaw = yaw + fade * off_yaw + turns
     z = body_heights(x, y, terrain, machine, gait)
-    z = z + fade * (stance.body[2] - z[stretch.now - stretch.first])
+    z = z + fade * (stance.body[2] - z[window.now - window.first])
     if aside == 0.0:
         return Lane(x[None, :], y[None, :], yaw, z)
     width = aside if moving else min(aside, ASIDE_TURNING)

@@ -172,9 +172,7 @@ def _timed(samples: SampleGrid, changes: list[_Change], path: StatePath) -> list
 
 
 def _highest(samples: SampleGrid, mask: int, bound: int) -> int:
-    """The last sample of the trace up to ``bound`` in any row of the mask, else its first
-    beyond.
-    """
+    """The last sample up to ``bound`` in any row of the mask, else its first beyond."""
     best = -1
     least = samples.count
     for r in range(samples.rows):

@@ -42,9 +42,7 @@ def joystick_trace(
     ahead: float = JOYSTICK_AHEAD,
     step: float = STEP,
 ) -> SampledPath:
-    """The trace of a held joystick: the course of constant curvature from ``start`` (gait-spec
-    §10).
-    """
+    """The trace of a held joystick: the course of constant curvature from ``start``."""
     arc, _ = arc_of_command(crab_angle, speed, turn_rate, yaw_length)
     s = np.arange(round(ahead / step) + 1) * step
     angle = arc.turn * s

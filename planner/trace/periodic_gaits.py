@@ -35,8 +35,8 @@ class RigidGait:
         for n, row in enumerate(self.rows, 1):
             if sum(row) < SUPPORTING_MIN:
                 raise GaitError(
-                    f"gait {self.name!r} stands on {sum(row)} legs in state {n}; at least"
-                    f" {SUPPORTING_MIN} must carry"
+                    f"gait {self.name!r} stands on {sum(row)} legs in state {n}; "
+                    f"at least {SUPPORTING_MIN} must carry"
                 )
 
     @property

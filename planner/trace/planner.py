@@ -73,9 +73,7 @@ class TraceWalk:
     def __call__(
         self, stance: Stance, command: Command, terrain: TerrainMap
     ) -> Generator[None, bool | None, StepPlan | Blocked]:
-        """Plan the step from ``stance``: a few states a slice, never a whole prediction in one
-        tick.
-        """
+        """Plan the step from ``stance``: a few states a slice, never all of them in one tick."""
         known = self.prediction
         if known is None or not serves(known, stance, command, terrain, self.machine, self.trace):
             known = yield from self._renewed(stance, command, terrain)

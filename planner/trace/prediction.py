@@ -17,7 +17,7 @@ from ..robot.model import Machine
 from ..terrain.map import TerrainMap
 from ..types import Command, Gait, Point, Stance
 from .footholds import AIR, Footing, thinning
-from .lane import ASIDE, Stretch, lane_along
+from .lane import ASIDE, TraceWindow, lane_along
 from .moves import Move, moves_along
 from .paths import joystick_trace, step_for
 from .periodic_gaits import RigidGait
@@ -137,18 +137,18 @@ class _Course(NamedTuple):
     """The trace and which part of it is looked along."""
 
     trace: SampledPath
-    stretch: Stretch
+    window: TraceWindow
     offset: float  # s at the first sample, m
 
     @property
     def goal(self) -> int:
         """The last sample, counted from the first that is looked at."""
-        return self.stretch.last - self.stretch.first
+        return self.window.last - self.window.first
 
     @property
     def start(self) -> int:
         """The sample of the body, counted so."""
-        return self.stretch.now - self.stretch.first
+        return self.window.now - self.window.first
 
 
 def predicting(
@@ -199,7 +199,7 @@ def _joystick_course(stance: Stance, command: Command, machine: Machine) -> _Cou
         ahead * step,
         step,
     )
-    return _Course(trace, Stretch(0, min(ahead, trace.last), 0), stance.course)
+    return _Course(trace, TraceWindow(0, min(ahead, trace.last), 0), stance.course)
 
 
 def _given_course(stance: Stance, trace: SampledPath, machine: Machine) -> _Course:
@@ -208,7 +208,7 @@ def _given_course(stance: Stance, trace: SampledPath, machine: Machine) -> _Cour
     ahead = round(BODY_LENGTHS * machine.torso[0] / step)
     now = min(round(stance.course / step), trace.last)
     first = max(0, now - round(BACK * machine.torso[0] / step))
-    return _Course(trace, Stretch(first, min(now + ahead, trace.last), now), first * step)
+    return _Course(trace, TraceWindow(first, min(now + ahead, trace.last), now), first * step)
 
 
 class _Attempt:
@@ -241,7 +241,7 @@ class _Attempt:
         course = self.course
         terrain = self.terrain
         lane = lane_along(
-            course.trace, course.stretch, self.stance, terrain, self.machine, self.gait, aside
+            course.trace, course.window, self.stance, terrain, self.machine, self.gait, aside
         )
         thin = thinning(lane, terrain, self.machine)
         if thin > 1:
@@ -300,7 +300,7 @@ class _Attempt:
             "" if self.path.complete else self._why(reached),
             self.looked,
             given,
-            last=given and course.stretch.last == course.trace.last,
+            last=given and course.window.last == course.trace.last,
         )
 
     def _why(self, reached: float) -> str:

@@ -158,7 +158,8 @@ class Reachability:
         lane = self.lane
         body = float(lane.x[row, k]), float(lane.y[row, k]), float(lane.z[k]), float(lane.yaw[k])
         bx, by, dz = point_seen(body, foot)
-        (x0, x1), (y0, y1) = self.machine.legs[leg].x, self.machine.legs[leg].y
+        (x0, x1) = self.machine.legs[leg].x
+        (y0, y1) = self.machine.legs[leg].y
         z0, z1 = self.machine.legs[leg].z
         return (min(x0, bx), max(x1, bx), min(y0, by), max(y1, by)), (min(z0, dz), max(z1, dz))
 

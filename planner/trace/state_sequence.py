@@ -15,7 +15,9 @@ from .footholds import AIR, Footing, legs_clear
 from .reachability import Reachability
 from .samples import first_bit, run_end, span
 
-HIND, MIDDLE, FORE = 0, 1, 2
+HIND = 0
+MIDDLE = 1
+FORE = 2
 # a leg is fore (hind) when it leads (trails) by over this part of the foremost leg's lead
 FORE_PART = 0.25
 STEP_FIRST = 8  # samples the s-iteration first goes ahead
@@ -115,9 +117,7 @@ def first_guess(reachable: Reachability, begins: int, ends: int, legs: tuple[int
 
 
 def leg_kind(reachable: Reachability, sample: int, leg: int) -> int:
-    """Whether a leg is hind, middle or fore as seen along the course (sideways the left legs
-    lead).
-    """
+    """Whether a leg is hind, middle or fore along the course (sideways the left legs lead)."""
     x = reachable.lane.x[0]
     y = reachable.lane.y[0]
     k = min(sample % reachable.samples.width, reachable.samples.count - 2)
@@ -153,9 +153,12 @@ def iterate(
         ahead = good + step if good + step < bad else (good + bad) // 2
         chosen = choose(reachable, feet, at, domains, ahead)
         if chosen is not None:
-            best, good, step = chosen, ahead, 2 * step
+            best = chosen
+            good = ahead
+            step = 2 * step
         else:
-            bad, step = ahead, max(step // 2, 1)
+            bad = ahead
+            step = max(step // 2, 1)
     return best
 
 

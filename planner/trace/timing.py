@@ -124,7 +124,8 @@ class _Knots:
         """
         if seconds <= 0.0:
             return
-        begin, (start, end) = self.times[-1], stretch
+        begin = self.times[-1]
+        (start, end) = stretch
         shares = list(stairs(profile, way.pieces(start, end)))
         places = [start + tau * (end - start) for tau, _ in shares]
         poses = way.at([*places[:-1], end])
@@ -208,10 +209,9 @@ def _end_of(stance: Stance, move: Move, knots: _Knots) -> Stance:
 
 
 def _course(start: Body, end: Body) -> float:
-    """The crab angle of a step that goes from one pose to another, rad; 0 when it does not
-    travel.
-    """
-    dx, dy = end[0] - start[0], end[1] - start[1]
+    """The crab angle of a step from one pose to another, rad; 0 when it does not travel."""
+    dx = end[0] - start[0]
+    dy = end[1] - start[1]
     if math.hypot(dx, dy) <= PAUSE_SPEED:
         return 0.0
     return math.remainder(math.atan2(dy, dx) - start[3], 2 * math.pi)
@@ -295,12 +295,16 @@ class _Transfer:
     @property
     def moving(self) -> list[int]:
         """Legs that change and are on the ground before or after."""
-        before, after = self.move.before, self.move.after
+        before = self.move.before
+        after = self.move.after
         return [leg for leg in self.move.legs if before[leg] is not None or after[leg] is not None]
 
     def _foot_way(self, leg: int, terrain: TerrainMap, carried_b: dict[int, Point]) -> _FootWay:
-        move, machine, gait = self.move, self.machine, self.gait
-        foot, landing = self.stance.feet[leg], move.after[leg]
+        move = self.move
+        machine = self.machine
+        gait = self.gait
+        foot = self.stance.feet[leg]
+        landing = move.after[leg]
         stood = move.before[leg] is not None
         lowest = min(pose[2] for pose in move.carry)
         ceiling = lowest + machine.legs[leg].z[1] + machine.overreach[2]
@@ -412,7 +416,8 @@ def _least_margin(knots: _Knots, air: tuple[int, ...], lifted: tuple[int, ...]) 
     least = math.inf
     for (a, b), phase in zip(pairwise(knots.body), knots.phases, strict=True):
         polygon = standing if phase in (Phase.SUPPORT, Phase.SHIFT) else swinging
-        dx, dy = b[0] - a[0], b[1] - a[1]
+        dx = b[0] - a[0]
+        dy = b[1] - a[1]
         length = math.hypot(dx, dy)
         for x, y, *_ in (a, b):
             if length > 1e-9:

@@ -13,7 +13,7 @@ from walking_console.planner.trace.lane import (
     ASIDE_TURNING,
     JOIN,
     ROWS,
-    Stretch,
+    TraceWindow,
     body_heights,
     lane_along,
 )
@@ -24,7 +24,7 @@ HEXAPOD = load_machine("hexapod")
 GAIT = gait_of(HEXAPOD)
 LEVEL = TerrainMap(np.zeros((80, 80)), np.zeros((80, 80), bool), 0.1, (-4.0, -4.0))
 NOW = 50
-STRETCH = Stretch(20, 220, NOW)
+STRETCH = TraceWindow(20, 220, NOW)
 
 
 def lane(kind: str, beside: float = 0.0, yaw: float = 0.0, aside: float = 0.0):
