@@ -312,6 +312,8 @@ def without_a_test_file() -> Iterator[str]:
     files = {source.place for source in sources_of_tests()}
     for source in product():
         folder, _, name = source.place.rpartition("/")
+        if not any(isinstance(node, Function | ast.ClassDef) for node in source.nodes):
+            continue  # names of types only: nothing that could be tested
         if name[0] != "_" and f"tests/{folder}/test_{name}" not in files:
             yield source.place
 
@@ -381,21 +383,21 @@ AT_MOST: dict[Bar, float] = {
     public_names: 15,
     long_lines: 14,  # 0
     names_per_line_median: 4,
-    tuple_assignments_per_1000_lines: 12,  # 5
+    tuple_assignments_per_1000_lines: 9,  # 5
     nested_conditionals: 1,  # 0
     function_lines_median: 10,
     function_lines_nine_in_ten: 30,
-    long_functions: 9,
-    long_classes: 2,  # 0
-    classes_of_many_attributes: 2,  # 0
-    type_names_with_several_meanings: 15,  # 3
+    long_functions: 6,
+    long_classes: 0,
+    classes_of_many_attributes: 0,
+    type_names_with_several_meanings: 8,  # 3
     places_that_build_a_step_plan: 1,
-    cos_sin_pairs_outside_geometry: 40,  # 5
+    cos_sin_pairs_outside_geometry: 14,  # 5
     registered_names_compared: 0,
     planners_imported_outside_the_registry: 0,
-    crab_lines: 4150,  # 3000
+    crab_lines: 3930,  # 3000
     crab_floors: 8,
-    without_a_test_file: 78,  # 0
+    without_a_test_file: 18,  # 0
     without_an_assertion: 0,
 }
 AT_LEAST: dict[Bar, float] = {examples: 12, walks_recorded: 40}
