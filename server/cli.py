@@ -82,6 +82,17 @@ TokenOption = Annotated[
     ),
 ]
 DataOption = Annotated[Path, typer.Option(help="Where runs are kept.", envvar=f"{ENVIRONMENT}DATA")]
+LanOption = Annotated[
+    bool,
+    typer.Option("--lan", help="Let this network in: makes a token, prints address and QR code."),
+]
+AllowHostOption = Annotated[
+    list[str] | None,
+    typer.Option(metavar="NAME", help="A further name it answers for, also NAME:PORT; repeatable."),
+]
+RootPathOption = Annotated[
+    str, typer.Option(help="Path at which a reverse proxy shows it, such as /console.")
+]
 SitAfterOption = Annotated[
     float,
     typer.Option(
@@ -150,6 +161,9 @@ def serve(
     scenario: ScenarioOption = UNASKED.scenario,
     no_open: NoOpenOption = not UNASKED.open_page,
     token: TokenOption = UNASKED.token,
+    lan: LanOption = UNASKED.lan,
+    allow_host: AllowHostOption = None,
+    root_path: RootPathOption = UNASKED.root_path,
     data: DataOption = UNASKED.data,
     sit_after: SitAfterOption = UNASKED.sit_after,
     log_level: LogLevelOption = UNASKED.log_level,
@@ -164,6 +178,9 @@ def serve(
         scenario=scenario,
         open_page=not no_open,
         token=token,
+        lan=lan,
+        allow_host=tuple(allow_host or ()),
+        root_path=root_path.rstrip("/"),
         data=data,
         sit_after=sit_after,
         log_level=log_level,

@@ -5,11 +5,12 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import logging
+import secrets
 import socket
 import sys
 import threading
-import webbrowser
 from collections.abc import Callable
+from dataclasses import replace
 
 from walking_console.sim.scenario_files import load_scenario
 from walking_console.sim.simulation import Simulation
@@ -21,7 +22,18 @@ from .api.app import create_app
 from .api.errors import HTTPProblem
 from .api.state import AppSettings
 from .api.terrain_edits import edit_under, painted
-from .listening import ServeError, check_token, is_loopback, listen, url_of
+from .browser import open_page
+from .listening import (
+    ANYWHERE,
+    ServeError,
+    check_names,
+    check_token,
+    is_loopback,
+    lan_address,
+    listen,
+    own_names,
+    url_of,
+)
 from .realtime_loop import RealtimeLoop
 from .render_loop import RenderLoop
 from .request_guard import LOOPBACK, is_address
@@ -39,7 +51,9 @@ def serve(options: ServeOptions) -> None:
     robot raises.
     """
     log_to_stderr(options.log_level)
+    options = for_the_network(options) if options.lan else options
     check_token(options.host, options.token)
+    check_names(options.allow_host, options.root_path)
     robot = [] if options.robot is None else [f"robot={_quoted(options.robot)}"]
     world = prepare(load_scenario(options.scenario, robot))
     # explained for the page's inspector; a tick takes no longer for it
@@ -53,7 +67,7 @@ def serve(options: ServeOptions) -> None:
     rendering = RenderLoop(loop, _scene(bridge, loop), lambda: bridge.watched)
     app = create_app(loop, app_settings(options), bridge)
     server = ConsoleServer(config_for(app), loop.hold_for_good)
-    _announce_when_ready(server, url_of(listening, options.host, options.token), options.open_page)
+    _announce_when_ready(server, url_of(listening, options.host, options.token), options)
     log.info("runs are kept in %s", options.data.absolute())
     loop.start()
     rendering.start()
@@ -67,6 +81,16 @@ def serve(options: ServeOptions) -> None:
         bridge.stop()
 
 
+def for_the_network(options: ServeOptions) -> ServeOptions:
+    """``--lan``: the address others reach this computer by, and a token unless one is given."""
+    unnamed = is_loopback(options.host) or options.host in ANYWHERE
+    return replace(
+        options,
+        host=lan_address() if unnamed else options.host,
+        token=options.token or secrets.token_urlsafe(32),
+    )
+
+
 def app_settings(options: ServeOptions) -> AppSettings:
     """Which names the app answers for, and where it keeps its runs."""
     host = options.host
@@ -74,7 +98,9 @@ def app_settings(options: ServeOptions) -> AppSettings:
     alone = is_loopback(host)
     return AppSettings(
         data=options.data,
-        hosts=named if alone else (*named, socket.gethostname()),
+        hosts=named if alone else (*named, *own_names(socket.gethostname())),
+        authorities=options.allow_host,
+        root_path=options.root_path,
         addresses=not alone,
         token=options.token,
         sit_after=options.sit_after,
@@ -109,14 +135,17 @@ def _quoted(text: str) -> str:
     return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
 
 
-def _announce_when_ready(server: ConsoleServer, url: str, open_page: bool) -> None:
-    threading.Thread(target=_announce, args=(server, url, open_page), daemon=True).start()
+def _announce_when_ready(server: ConsoleServer, url: str, options: ServeOptions) -> None:
+    threading.Thread(target=_announce, args=(server, url, options), daemon=True).start()
 
 
-def _announce(server: ConsoleServer, url: str, open_page: bool) -> None:
-    """The one line of output, once the address answers."""
+def _announce(server: ConsoleServer, url: str, options: ServeOptions) -> None:
+    """The one line of output, once the address answers; for telephones also as a picture."""
     server.listening.wait()
     print(url, flush=True)
-    if open_page:
-        with contextlib.suppress(webbrowser.Error):
-            webbrowser.open(url)
+    if options.lan:
+        from .qr_code import print_qr_code  # here, so that nobody else needs its library
+
+        print_qr_code(url)
+    if options.open_page:
+        open_page(url)

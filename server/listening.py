@@ -11,12 +11,16 @@ import re
 import secrets
 import socket
 import sys
+from collections.abc import Iterable
 
 TOKEN_MIN = 32  # characters: 192 bits as secrets.token_urlsafe writes them
 TOKEN = re.compile(rf"[A-Za-z0-9._~-]{{{TOKEN_MIN},256}}")
 NOTSENT = 16 * 1024  # bytes waiting in the kernel for a slow client; more, and it sees the past
 NOTSENT_OPTION = getattr(socket, "TCP_NOTSENT_LOWAT", 25 if sys.platform == "linux" else None)
 BACKLOG = 128
+HOST_NAME = re.compile(r"(?=.{1,253}(:|$))[A-Za-z0-9]([A-Za-z0-9._-]*[A-Za-z0-9])?(:[0-9]{1,5})?")
+ROOT_PATH = re.compile(r"(/[A-Za-z0-9._~@%-]+)*")
+SOMEWHERE = ("198.51.100.1", 9)  # nowhere: asks which of our addresses leads out, sends nothing
 ANYWHERE = {"0.0.0.0": "127.0.0.1", "::": "[::1]", "": "127.0.0.1"}
 
 log = logging.getLogger(__name__)
@@ -88,6 +92,36 @@ def check_token(host: str, token: str | None) -> None:
     log.warning(
         "without TLS everybody on the way can read the token; put a TLS proxy in front of %s", host
     )
+
+
+def check_names(allow_host: Iterable[str], root_path: str) -> None:
+    """Names and a path that a proxy may bring; raises ``ServeError``."""
+    for name in allow_host:
+        if not HOST_NAME.fullmatch(name):
+            raise ServeError(
+                f"--allow-host wants a name such as labserver.example.edu, or NAME:PORT, "
+                f"got {name!r:.200}"
+            )
+    if not ROOT_PATH.fullmatch(root_path) or ".." in root_path.split("/"):
+        raise ServeError(f"--root-path wants a path such as /console, got {root_path!r:.200}")
+
+
+def lan_address() -> str:
+    """The address at which this computer's network knows it; raises ``ServeError``."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect(SOMEWHERE)
+            address = str(probe.getsockname()[0])
+        except OSError:
+            address = ""
+    if not address or is_loopback(address):
+        raise ServeError("--lan: this computer is in no network; name an address with --host")
+    return address
+
+
+def own_names(host_name: str) -> tuple[str, ...]:
+    """What this computer is called in its network: its name, and that name under ``.local``."""
+    return host_name, f"{host_name.split('.')[0]}.local"
 
 
 def url_of(listening: socket.socket, host: str, token: str | None) -> str:

@@ -44,7 +44,8 @@ def host_name(host: str) -> str:
     host = host.strip().lower()
     if host.startswith("["):
         return host[1 : host.find("]")] if "]" in host else ""
-    return host.rsplit(":", 1)[0] if host.count(":") == 1 else host
+    name = host.rsplit(":", 1)[0] if host.count(":") == 1 else host
+    return name.removesuffix(".")
 
 
 def is_address(name: str) -> bool:
@@ -58,7 +59,8 @@ def is_address(name: str) -> bool:
 
 class RequestGuard:
     """ASGI middleware; ``addresses`` also lets any IP address be the Host (for a console that
-    listens beyond loopback).
+    listens beyond loopback). ``authorities`` are NAME or NAME:PORT of proxies before the console:
+    their pages are its own, also where the proxy writes another Host.
     """
 
     def __init__(
@@ -67,9 +69,12 @@ class RequestGuard:
         hosts: Iterable[str] = (),
         token: str | None = None,
         addresses: bool = False,
+        authorities: Iterable[str] = (),
     ) -> None:
         self._app = app
-        self._hosts = frozenset((*LOOPBACK, *(host.lower() for host in hosts)))
+        own = frozenset(name.lower() for name in authorities)
+        self._hosts = frozenset((*LOOPBACK, *map(str.lower, hosts), *map(host_name, own)))
+        self._authorities = own
         self._token = token
         self._addresses = addresses
 
@@ -95,7 +100,7 @@ class RequestGuard:
         if len(headers.getlist("host")) != 1 or not self._answers_for(host_name(host)):
             return problem(403, f"this console does not answer for Host {host[:100]!r}")
         if scope["type"] == "websocket" or scope["method"] not in SAFE_METHODS:
-            why = _foreign(headers, host)
+            why = _foreign(headers, {host.strip().lower(), *self._authorities})
             if why:
                 return problem(403, why)
         if self._token is not None and not self._shows(self._token, headers, scope):
@@ -111,10 +116,15 @@ class RequestGuard:
 
     @staticmethod
     def _shows(token: str, headers: Headers, scope: Scope) -> bool:
-        if scope["type"] == "http" and scope["path"] == LOGIN:
+        if scope["type"] == "http" and _route(scope) == LOGIN:
             return True
         shown = headers.get("authorization", "").removeprefix("Bearer ") or _from_cookie(headers)
         return hmac.compare_digest(shown.encode("utf-8", "replace"), token.encode())
+
+
+def _route(scope: Scope) -> str:
+    """The path below the prefix that a proxy gives the console."""
+    return str(scope["path"]).removeprefix(scope.get("root_path", ""))
 
 
 def _from_cookie(headers: Headers) -> str:
@@ -125,11 +135,11 @@ def _from_cookie(headers: Headers) -> str:
     return cookie.value if cookie else ""
 
 
-def _foreign(headers: Headers, host: str) -> str:
+def _foreign(headers: Headers, authorities: Iterable[str]) -> str:
     """Why a request comes from a foreign page, or '' when it is our own page's or no browser's."""
     origins = headers.getlist("origin")
     if origins:
-        own = {f"{scheme}://{host.strip().lower()}" for scheme in ("http", "https")}
+        own = {f"{scheme}://{name}" for scheme in ("http", "https") for name in authorities}
         if len(origins) == 1 and origins[0].lower() in own:
             return ""
         return f"Origin {origins[0][:100]!r} is not this console"

@@ -33,3 +33,6 @@ class ServeOptions:
     data: Path = DATA
     sit_after: float = SIT_AFTER  # s; 0: never
     log_level: LogLevel = LogLevel.WARNING
+    lan: bool = False  # let the computers and telephones around in, by a token made for it
+    allow_host: tuple[str, ...] = ()  # further names it answers for: NAME or NAME:PORT
+    root_path: str = ""  # where a proxy that passes whole paths puts it, such as /console

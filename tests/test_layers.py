@@ -34,7 +34,7 @@ def rule(may: str, never: str = "") -> Rule:
 # No clock, no sockets, no randomness of its own: seconds come in as ticks, chance as a seeded
 # Generator.
 UNREPEATABLE = "asyncio time random datetime secrets uuid socket threading subprocess"
-CARRIERS = "fastapi starlette uvicorn websockets pydantic typer click rich anyio numpy mcap"
+CARRIERS = "fastapi starlette uvicorn websockets pydantic typer click rich anyio numpy mcap segno"
 OUTSIDE = (
     "walking_console.sim walking_console.server walking_console.web pymunk mujoco viser fastapi"
 )

@@ -15,6 +15,7 @@ from fastapi import FastAPI
 
 from walking_console.sim.runs.runner import product_version
 
+from ..path_prefix import PathPrefix
 from ..realtime_loop import RealtimeLoop
 from ..request_guard import RequestGuard
 from ..schemas import Problem
@@ -62,11 +63,17 @@ def create_app(
         docs_url=None,
         redoc_url=None,
         responses=REFUSED,
+        servers=[{"url": "."}],  # where this description is, whatever prefix a proxy gives it
     )
     app.state.console = AppState(loop, settings, bridge)
     app.add_middleware(
-        RequestGuard, hosts=settings.hosts, token=settings.token, addresses=settings.addresses
+        RequestGuard,
+        hosts=settings.hosts,
+        token=settings.token,
+        addresses=settings.addresses,
+        authorities=settings.authorities,
     )
+    app.add_middleware(PathPrefix, root_path=settings.root_path)  # the outermost
     add_error_answers(app)
     for router in ROUTERS:
         app.include_router(router)

@@ -24,18 +24,18 @@ DOCS = """<!doctype html>
 <meta charset="utf-8">
 <title>walking-console API</title>
 <meta name="viewport" content="width=device-width">
-<link rel="stylesheet" href="/vendor/swagger/swagger-ui.css">
-<link rel="icon" href="/vendor/swagger/favicon-32x32.png">
+<link rel="stylesheet" href="vendor/swagger/swagger-ui.css">
+<link rel="icon" href="vendor/swagger/favicon-32x32.png">
 </head>
 <body>
 <div id="docs"></div>
-<script src="/vendor/swagger/swagger-ui-bundle.js"></script>
-<script src="/docs/start.js"></script>
+<script src="vendor/swagger/swagger-ui-bundle.js"></script>
+<script src="docs/start.js"></script>
 </body>
 </html>
 """
 DOCS_START = """SwaggerUIBundle({
-  url: "/openapi.json", dom_id: "#docs", deepLinking: true, validatorUrl: null,
+  url: "openapi.json", dom_id: "#docs", deepLinking: true, validatorUrl: null,
   tryItOutEnabled: true, presets: [SwaggerUIBundle.presets.apis], layout: "BaseLayout"
 });
 """
@@ -88,7 +88,8 @@ async def view(request: Request, state: ConsoleState) -> Response:
         raise HTTPProblem(503, NO_CANVAS)
     cleaned = _without_foreign_keys(request.url.query)
     if cleaned is not None:
-        return RedirectResponse(f"/view/?{cleaned}" if cleaned else "/view/", 307)
+        here = "./" if request.url.path.endswith("/") else "view/"
+        return RedirectResponse(f"{here}?{cleaned}" if cleaned else here, 307)
     return _canvas(request, state.bridge)
 
 

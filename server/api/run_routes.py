@@ -6,7 +6,7 @@ import asyncio
 from pathlib import Path
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Depends, Query, Response
+from fastapi import APIRouter, Depends, Query, Request, Response
 from fastapi import Path as PathPart
 from fastapi.responses import FileResponse
 
@@ -44,7 +44,9 @@ NewestOnly = Annotated[int, Query(ge=1, le=1000)]
 
 
 @router.post("", status_code=202, response_model=RunState)
-async def start(body: RunBody, response: Response, state: ConsoleState) -> dict[str, Any]:
+async def start(
+    body: RunBody, request: Request, response: Response, state: ConsoleState
+) -> dict[str, Any]:
     """Start a scripted headless run in a process of its own."""
     scenario = await asyncio.to_thread(chosen_scenario, body)
     name = body.name or scenario.name
@@ -52,7 +54,7 @@ async def start(body: RunBody, response: Response, state: ConsoleState) -> dict[
         run_id = state.jobs.start(scenario.as_data(), name, trace_decisions=body.trace_decisions)
     except RunRefused as error:
         raise HTTPProblem(error.status, str(error)) from None
-    response.headers["location"] = f"/api/v1/runs/{run_id}"
+    response.headers["location"] = f"{request.scope['root_path']}/api/v1/runs/{run_id}"
     return state.jobs.state(run_id)
 
 

@@ -25,6 +25,7 @@ async def login(
     token = state.settings.token
     if token is None or not secrets.compare_digest(shown.encode(), token.encode()):
         raise HTTPProblem(401, "this is not the token")
-    answer = RedirectResponse("/", 303)
-    answer.set_cookie(COOKIE, token, httponly=True, samesite="strict", path="/")
+    answer = RedirectResponse("./", 303)
+    # without a path it is that of this page: what else a proxy shows at its name does not get it
+    answer.set_cookie(COOKIE, token, httponly=True, samesite="strict", path=None)
     return answer

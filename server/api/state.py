@@ -34,6 +34,9 @@ class AppSettings:
 
     data: Path = DATA
     hosts: tuple[str, ...] = ()
+    # NAME or NAME:PORT of proxies before it: it answers for them and takes them as its own origin
+    authorities: tuple[str, ...] = ()
+    root_path: str = ""  # where a proxy shows it; '': at the root
     # any IP address may be the Host: for a console that listens beyond loopback
     addresses: bool = False
     token: str | None = None

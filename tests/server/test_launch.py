@@ -3,6 +3,7 @@ time.
 """
 
 import logging
+import os
 import re
 import signal
 import socket
@@ -17,7 +18,8 @@ import httpx
 import pytest
 from websockets.sync.client import connect
 
-from walking_console.server.launch import app_settings, log_to_stderr
+from walking_console.server.launch import app_settings, for_the_network, log_to_stderr
+from walking_console.server.listening import ServeError, check_token, is_loopback
 from walking_console.server.serve_options import LogLevel, ServeOptions
 
 COMMAND = (sys.executable, "-m", "walking_console", "--no-open", "--scenario", "flat")
@@ -27,8 +29,9 @@ COMMAND = (sys.executable, "-m", "walking_console", "--no-open", "--scenario", "
 def served(folder: Path, *more: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
     """A console in a process of its own, and the address it printed."""
     command = [*COMMAND, "--port", "0", "--data", str(folder), *more]
+    environment = {**os.environ, "PYTHONIOENCODING": "utf-8"}
     with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8"
     ) as process:
         try:
             assert process.stdout is not None
@@ -104,9 +107,10 @@ def test_the_names_it_answers_for_are_those_it_was_asked_to_listen_on() -> None:
     alone = app_settings(ServeOptions())
     assert alone.hosts == () and not alone.addresses
     named = app_settings(ServeOptions(host="robot.lan", token="k" * 40))
-    assert named.hosts == ("robot.lan", socket.gethostname()) and named.addresses
+    here = (socket.gethostname(), f"{socket.gethostname().split('.')[0]}.local")
+    assert named.hosts == ("robot.lan", *here) and named.addresses
     anywhere = app_settings(ServeOptions(host="0.0.0.0", token="k" * 40))
-    assert anywhere.hosts == (socket.gethostname(),) and anywhere.token == "k" * 40
+    assert anywhere.hosts == here and anywhere.token == "k" * 40
 
 
 def test_what_happens_is_said_on_standard_error_from_the_chosen_level_on(
@@ -125,3 +129,26 @@ def test_what_happens_is_said_on_standard_error_from_the_chosen_level_on(
     told = capsys.readouterr()
     assert told.out == "" and told.err.count("\n") == 1
     assert "INFO walking_console.server.launch: here" in told.err
+
+
+def test_for_the_network_it_listens_there_and_makes_a_token() -> None:
+    for host in ("127.0.0.1", "0.0.0.0"):
+        try:
+            made = for_the_network(ServeOptions(host=host, lan=True))
+        except ServeError:
+            pytest.skip("this computer is in no network")
+        assert made.token is not None and not is_loopback(made.host) and made.host != "0.0.0.0"
+        check_token(made.host, made.token)
+    given = for_the_network(ServeOptions(host="192.0.2.7", token="k" * 40, lan=True))
+    assert given.host == "192.0.2.7" and given.token == "k" * 40
+
+
+def test_with_lan_it_prints_an_address_with_a_token_and_a_picture_of_it(tmp_path: Path) -> None:
+    with served(tmp_path, "--lan") as (process, url):
+        if process.poll() is not None:
+            pytest.skip("this computer is in no network")
+        assert re.fullmatch(r"http://(?!127)[\d.]+:\d+/login\?token=[\w-]{43}", url)
+        assert httpx.get(url).status_code == 303
+        process.send_signal(signal.SIGTERM)
+        picture, _ = process.communicate(timeout=10)
+    assert len(picture.splitlines()) > 15 and set(picture) <= set("█▀▄ \n")

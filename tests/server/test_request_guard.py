@@ -1,5 +1,7 @@
 """What every request must show before a route sees it."""
 
+import socket
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -7,7 +9,11 @@ from fastapi.testclient import TestClient
 from starlette.testclient import WebSocketDenialResponse
 
 from tests.server.problem_json import problem_of
+from walking_console.server.api.app import create_app
+from walking_console.server.launch import app_settings
+from walking_console.server.realtime_loop import RealtimeLoop
 from walking_console.server.request_guard import BODY_MAX
+from walking_console.server.serve_options import ServeOptions
 
 HERE = "http://127.0.0.1:8000"
 
@@ -127,3 +133,56 @@ def test_no_foreign_host_opens_a_socket(client: TestClient, path: str) -> None:
 def test_a_request_for_two_hosts_is_refused(client: TestClient) -> None:
     headers = [("host", "127.0.0.1"), ("host", "evil.example")]
     problem_of(client.get("/api/v1/health", headers=headers), 403)
+
+
+TOKEN = "k" * 40
+
+
+@pytest.fixture
+def named(loop: RealtimeLoop, tmp_path: Path) -> TestClient:
+    """A console beyond loopback that also answers for two names of proxies."""
+    names = ("labserver.example.edu", "pi.example.edu:8443")
+    options = ServeOptions(host="0.0.0.0", token=TOKEN, allow_host=names, data=tmp_path)
+    headers = {"authorization": f"Bearer {TOKEN}"}
+    return TestClient(create_app(loop, app_settings(options)), base_url=HERE, headers=headers)
+
+
+def test_names_that_were_allowed_and_those_of_this_computer_are_let_in(named: TestClient) -> None:
+    own = socket.gethostname()
+    for host in (
+        own,
+        f"{own.split('.')[0]}.local:8000",
+        "labserver.example.edu",
+        "LabServer.Example.edu:8000",
+        "labserver.example.edu.",
+        "pi.example.edu",
+        "192.168.1.5:8000",
+    ):
+        assert named.get("/api/v1/health", headers={"host": host}).status_code == 200, host
+
+
+@pytest.mark.parametrize(
+    "host",
+    ["other.example.edu", "x.labserver.example.edu", "labserver.example.edu.evil", "a.local"],
+)
+def test_names_that_nobody_allowed_stay_out(named: TestClient, host: str) -> None:
+    problem_of(named.get("/api/v1/health", headers={"host": host}), 403)
+
+
+@pytest.mark.parametrize(
+    ("host", "origin", "status"),
+    [
+        ("labserver.example.edu", "https://labserver.example.edu", 200),  # Host kept
+        ("127.0.0.1:8811", "https://labserver.example.edu", 200),  # Host written anew
+        ("127.0.0.1:8811", "https://pi.example.edu:8443", 200),
+        ("127.0.0.1:8811", "https://pi.example.edu", 403),
+        ("127.0.0.1:8811", "https://labserver.example.edu:9999", 403),
+        ("127.0.0.1:8811", "https://labserver.example.edu.evil", 403),
+        ("labserver.example.edu", "https://evil.example", 403),
+    ],
+)
+def test_a_tls_proxy_s_page_may_whether_it_keeps_the_host_or_not(
+    named: TestClient, host: str, origin: str, status: int
+) -> None:
+    headers = {"host": host, "origin": origin}
+    assert named.post("/api/v1/console/stop", headers=headers).status_code == status

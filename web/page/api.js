@@ -6,7 +6,7 @@
  * @param {object} [body]
  */
 export async function ask(method, path, body) {
-  const answer = await fetch(`/api/v1/${path}`, {
+  const answer = await fetch(`api/v1/${path}`, {
     method,
     headers: body ? { "content-type": "application/json" } : {},
     body: body && JSON.stringify(body),

@@ -111,7 +111,7 @@ function repeat() {
 }
 
 function connect() {
-  const address = new URL("/drive", self.location.href);
+  const address = new URL("drive", self.location.href);
   address.protocol = address.protocol.replace("http", "ws");
   tell({ type: "link", state: "connecting" });
   const mine = new WebSocket(address);

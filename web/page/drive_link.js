@@ -11,7 +11,7 @@
 export class DriveLink {
   /** @param {Listener} listener */
   constructor(listener) {
-    this.worker = new Worker("/drive-worker.js", { type: "module" });
+    this.worker = new Worker("drive-worker.js", { type: "module" });
     this.worker.onmessage = (/** @type {MessageEvent<WorkerMessage>} */ { data }) => {
       if (data.type === "link") listener.link(data.state);
       else listener.frame(data.frame);

@@ -71,7 +71,7 @@ def test_the_page_is_served_under_a_policy_without_eval(
 
 def test_the_page_itself_moves_on_without_them(viewing: TestClient) -> None:
     response = viewing.get("/view?websocket=ws://evil.example")
-    assert (response.status_code, response.headers["location"]) == (307, "/view/")
+    assert (response.status_code, response.headers["location"]) == (307, "view/")
 
 
 def test_a_link_out_of_the_page_s_folder_is_not_followed(
