@@ -86,7 +86,9 @@ TABLE: dict[tuple[FootState, ContactEvent], FootState] = {
 
 @dataclass(frozen=True, slots=True)
 class Encounter:
-    """One emergent motion under way: its state, whose foot it is, and where that foot was to land."""
+    """One emergent motion under way: its state, whose foot it is, and where that foot was to
+    land.
+    """
 
     state: FootState
     leg: int
@@ -118,7 +120,9 @@ class Situation(NamedTuple):
 
 
 def motion(encounter: Encounter, at: Situation) -> StepPlan | Blocked:
-    """The motion of ``encounter``'s state; ``Blocked`` when there is no ground to put the foot on."""
+    """The motion of ``encounter``'s state; ``Blocked`` when there is no ground to put the foot
+    on.
+    """
     return _MOTIONS[encounter.state](encounter, at)
 
 

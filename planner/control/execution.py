@@ -196,7 +196,9 @@ class Execution:
         )
 
     def _course_at(self, sensing: Sensing, plan: StepPlan) -> float:
-        """s where the body stands in a step cut short, m: between its ends by how far it has got."""
+        """s where the body stands in a step cut short, m: between its ends by how far it has
+        got.
+        """
         start = plan.body[0]
         end = plan.end.body
         rho = self.machine.yaw_length

@@ -32,7 +32,9 @@ ZERO = (0.0, 0.0, 0.0)
 
 
 class ReflexState(NamedTuple):
-    """What Level C remembers from tick to tick of one step; a new step starts with ``next_step``."""
+    """What Level C remembers from tick to tick of one step; a new step starts with
+    ``next_step``.
+    """
 
     landed: tuple[bool, ...]  # swing legs that have touched down early and carry since
     aims: tuple[Point, ...] = ()  # PID option: where each foot should be by now, body axes, m

@@ -85,7 +85,9 @@ class PlanJob:
         return True
 
     def answer(self, command: Command) -> StepPlan | Blocked | None:
-        """The step that is ready, for this command or for one alike; None when there is none yet."""
+        """The step that is ready, for this command or for one alike; None when there is none
+        yet.
+        """
         if self._ready is not None or self._spare is None:
             return self._ready
         return self._spare[1] if self.alike(self._spare[0], command) else None
@@ -100,7 +102,9 @@ class PlanJob:
     def answer_standing(
         self, stance: Stance, command: Command, terrain: TerrainMap
     ) -> StepPlan | Blocked | None:
-        """One tick of planning a step from a standstill; after a few ticks the best so far will do."""
+        """One tick of planning a step from a standstill; after a few ticks the best so far will
+        do.
+        """
         slices = self.settings.slices_wanted
         self.consider(stance, command, terrain, slices)
         self._waited += 1
