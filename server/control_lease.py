@@ -18,8 +18,8 @@ from walking_console.planner.types import TICK, Command, Mode
 from .lease_reasons import LeaseReason, LeaseRefusal, refusal, stale
 from .realtime_loop import HOLD, RealtimeLoop
 from .schemas import (
-    ClientFrame,
     DriveFrame,
+    LeaseAct,
     PostureFrame,
     RearmFrame,
     ReleaseFrame,
@@ -81,7 +81,7 @@ class ControlLease:
         """Whether this session drives."""
         return self.holder is not None and self._holder is session
 
-    def handle(self, session: Session, frame: ClientFrame) -> LeaseRefusal | None:
+    def handle(self, session: Session, frame: LeaseAct) -> LeaseRefusal | None:
         """Do what a frame asks, or say why not."""
         why: LeaseRefusal | None = None
         match frame:
@@ -116,12 +116,10 @@ class ControlLease:
         if age > DEAD_MAN:
             session.lose_touch()
             return stale(frame.echo_tick, age)
-        session.centred = command.holds
-        if command.holds:
-            session.must_centre = False
+        session.show_stick(command.holds, by_hand=frame.by_hand)
         if self._holder is session:
             self._expect_another(command, now)
-        why = self._blocked(session)
+        why = self._blocked(session, command)
         if why is None:
             self._obey(session, command, age)
         return why
@@ -137,14 +135,16 @@ class ControlLease:
             return None
         return refusal(LeaseReason.OTHER_DRIVES, holder=holder)
 
-    def _blocked(self, session: Session) -> LeaseRefusal | None:
+    def _blocked(self, session: Session, command: Command) -> LeaseRefusal | None:
         """Why this session may not move the machine now."""
         other = self._other_drives(session)
         if other is not None:
             return other
         if self.stopped:
             return None if session.centred else refusal(LeaseReason.STOPPED)
-        return refusal(LeaseReason.CENTRE_FIRST) if session.must_centre else None
+        if session.must_centre and not command.holds:
+            return refusal(LeaseReason.CENTRE_FIRST)
+        return None
 
     def _obey(self, session: Session, command: Command, age: float) -> None:
         now = self._now()

@@ -236,6 +236,15 @@ class LeaseFrame(BaseModel):
     stopped: bool
 
 
+class PongFrame(BaseModel):
+    """Server to client on /drive: answers a ``ping``, behind whatever was still to be sent."""
+
+    model_config = example(type="pong", sent_ms=8120.5, kept_ms=12.0)
+    type: Literal["pong"] = "pong"
+    sent_ms: float = Field(description="what the ping said")
+    kept_ms: float = Field(description="how long the server kept it; the rest is the way")
+
+
 class RefusedFrame(BaseModel):
     """Server to client on /drive: why a frame had no effect."""
 

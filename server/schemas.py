@@ -196,6 +196,10 @@ class DriveFrame(Shape):
     crab_angle_rad: CommandedCrabAngle
     speed_m_s: CommandedSpeed
     turn_rate_rad_s: CommandedTurnRate
+    by_hand: Annotated[
+        bool,
+        Field(description="false: the page holds by itself, which is no sign that a hand let go"),
+    ] = True
 
     def command(self) -> Command:
         return Command(self.crab_angle_rad, self.speed_m_s, self.turn_rate_rad_s)
@@ -243,7 +247,16 @@ class PostureFrame(Shape):
     posture: Literal["sit", "stand", "standard"]
 
 
-ClientFrame = DriveFrame | TakeFrame | ReleaseFrame | StopFrame | RearmFrame | PostureFrame
+class PingFrame(Shape):
+    """Ask for a ``pong``, which measures the way there and back."""
+
+    model_config = example(type="ping", sent_ms=8120.5)
+    type: Literal["ping"]
+    sent_ms: Annotated[float, Field(ge=0.0, le=1e15, description="the sender's own clock")]
+
+
+LeaseAct = DriveFrame | TakeFrame | ReleaseFrame | StopFrame | RearmFrame | PostureFrame
+ClientFrame = LeaseAct | PingFrame
 CLIENT_FRAMES: dict[str, type[ClientFrame]] = {
     "drive": DriveFrame,
     "take": TakeFrame,
@@ -251,6 +264,7 @@ CLIENT_FRAMES: dict[str, type[ClientFrame]] = {
     "stop": StopFrame,
     "rearm": RearmFrame,
     "posture": PostureFrame,
+    "ping": PingFrame,
 }
 
 

@@ -53,6 +53,17 @@ class Session:
         self.must_centre = not self.centred
         self.moving = False
 
+    def show_stick(self, at_rest: bool, *, by_hand: bool) -> None:
+        """How the stick stands. A page that holds by itself, because it hung or its picture is old,
+        has not seen a hand let go: that still has to come.
+        """
+        if at_rest and not by_hand:
+            self.freeze()
+            return
+        self.centred = at_rest
+        if at_rest:
+            self.must_centre = False
+
     def lose_touch(self) -> None:
         """Its motion has lapsed: it must be seen at rest before the next."""
         if self.moving:

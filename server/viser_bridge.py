@@ -359,9 +359,15 @@ FORWARD_KEYS = """
   const framed = window.parent !== window;
   const fields = "input:not([type=checkbox]), textarea, select, [contenteditable=true]";
   const typing = (target) => target instanceof Element && target.matches(fields);
+  // What is pressed here can no longer be seen to end.
+  const handsOff = () => window.parent.dispatchEvent(new window.parent.Event("handsoff"));
   const pass = (event) => {
+    const menu = /^(Control|Alt|Meta|ContextMenu|F\\d)/.test(event.code);
+    if (framed && menu && event.type === "keydown") handsOff();
+    // a key-up always goes on: whatever was pressed must be let go
     if (!framed || staying.test(event.code) || typing(event.target)) return;
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const combined = event.ctrlKey || event.metaKey || event.altKey;
+    if (combined && event.type === "keydown") return;
     event.stopImmediatePropagation();
     const { code, key, repeat, shiftKey } = event;
     const pressed = { code, key, repeat, shiftKey, bubbles: true, cancelable: true };
@@ -370,6 +376,13 @@ FORWARD_KEYS = """
   };
   window.addEventListener("keydown", pass, true);
   window.addEventListener("keyup", pass, true);
+  window.addEventListener("contextmenu", (event) => {
+    if (framed && !event.defaultPrevented) handsOff();
+  });
+  document.documentElement.addEventListener("mouseleave", ({ clientX: x, clientY: y }) => {
+    const inside = x > 0 && y > 0 && x < window.innerWidth && y < window.innerHeight;
+    if (framed && !inside) handsOff();
+  });
   // A key held while the frame loses the focus is let go: its key-up may never come.
   window.addEventListener("blur", (event) => {
     if (framed && event.isTrusted) window.parent.dispatchEvent(new window.parent.Event("blur"));

@@ -8,8 +8,10 @@ import asyncio
 import contextlib
 import logging
 import secrets
+import time
 from collections import deque
 from collections.abc import AsyncIterator
+from typing import NamedTuple
 
 from fastapi import APIRouter, WebSocket
 from starlette.types import Message
@@ -20,9 +22,9 @@ from walking_console.sim.runs.runner import product_version
 from walking_console.sim.snapshot import Snapshot
 
 from ..explanation_frames import ahead_frame, decision_frame
-from ..frames import HelloFrame, LeaseFrame, RefusedFrame, as_text, style_frame
+from ..frames import HelloFrame, LeaseFrame, PongFrame, RefusedFrame, as_text, style_frame
 from ..problems import problem
-from ..schemas import BadFrame, read_frame
+from ..schemas import BadFrame, PingFrame, read_frame
 from ..sessions import DEAD_MAN, TooFast
 from .state import AppState, ConsoleState
 
@@ -56,6 +58,13 @@ class CloseWith(Exception):
         self.code = code
 
 
+class HeardPing(NamedTuple):
+    """A ping and when it was heard."""
+
+    frame: PingFrame
+    heard: float  # s
+
+
 class DriveSocket:
     """One page's socket: its session, what it was refused, and what it has been shown."""
 
@@ -66,6 +75,7 @@ class DriveSocket:
         self.name = secrets.token_hex(3)
         self._session = state.lease.open(self.name)
         self._refused: deque[RefusedFrame] = deque(maxlen=REFUSALS_KEPT)
+        self._ping: HeardPing | None = None  # the newest, not yet answered
         self._revision = -1  # of the lease, as last said
         self._text = ""  # the snapshot last shown
         self._machine = state.loop.newest.machine  # the one whose style was sent
@@ -144,7 +154,8 @@ class DriveSocket:
         refused = self._refusal_of(text)
         if refused is not None:
             self._refused.append(refused)
-        if refused is not None or self._lease.revision != revision:
+        asked = refused is not None or self._ping is not None
+        if asked or self._lease.revision != revision:
             self._state.wake()
 
     def _refusal_of(self, text: str) -> RefusedFrame | None:
@@ -153,6 +164,9 @@ class DriveSocket:
         except BadFrame as error:
             self._lease.refusals += 1
             return RefusedFrame(seq=error.seq, code="bad_frame", reason=str(error))
+        if isinstance(frame, PingFrame):
+            self._ping = HeardPing(frame, time.monotonic())
+            return None
         why = self._lease.handle(self._session, frame)
         if why is None:
             return None
@@ -167,6 +181,7 @@ class DriveSocket:
                 await self._show_refusals()
                 await self._show_lease()
                 await self._show_snapshot()
+                await self._answer_ping()
                 await asyncio.sleep(1.0 / SHOW_RATE)
                 if self._up_to_date():
                     await self._next_change()
@@ -178,7 +193,7 @@ class DriveSocket:
 
     def _up_to_date(self) -> bool:
         shown = self._state.text() is self._text and self._revision == self._lease.revision
-        return shown and not self._refused
+        return shown and not self._refused and self._ping is None
 
     async def _next_change(self) -> None:
         assert self._state.changes is not None
@@ -187,6 +202,14 @@ class DriveSocket:
     async def _show_refusals(self) -> None:
         while self._refused:
             await self._send(self._refused.popleft().model_dump_json())
+
+    async def _answer_ping(self) -> None:
+        if self._ping is not None:
+            ping, heard = self._ping
+            self._ping = None
+            kept = (time.monotonic() - heard) * 1000.0
+            pong = PongFrame(sent_ms=ping.sent_ms, kept_ms=round(kept, 1))
+            await self._send(pong.model_dump_json())
 
     async def _show_lease(self) -> None:
         holder = self._lease.holder  # asking may end a lease that has been silent

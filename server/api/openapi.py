@@ -8,7 +8,7 @@ from fastapi import FastAPI
 from pydantic import BaseModel
 
 from ..explanation_frames import AheadFrame, DecisionFrame
-from ..frames import HelloFrame, LeaseFrame, RefusedFrame, SnapshotFrame, StyleFrame
+from ..frames import HelloFrame, LeaseFrame, PongFrame, RefusedFrame, SnapshotFrame, StyleFrame
 from ..schemas import CLIENT_FRAMES
 
 DESCRIPTION = """
@@ -17,10 +17,10 @@ booleans, numeric strings, unknown keys and out-of-range values are refused with
 `application/problem+json`, nothing is clamped.
 
 `WS /drive` carries JSON text frames both ways: `DriveFrame`, `PostureFrame`, `TakeFrame`,
-`ReleaseFrame`, `StopFrame`, `RearmFrame` up; `HelloFrame`, `LeaseFrame`, `RefusedFrame`,
-`SnapshotFrame`, `AheadFrame`, `DecisionFrame`, `StyleFrame` down (see Schemas). A held stick is
-repeated 20 to 30 times a second; without a fresh frame the machine holds after 0.5 s and sits
-down after 10 s.
+`ReleaseFrame`, `StopFrame`, `RearmFrame`, `PingFrame` up; `HelloFrame`, `LeaseFrame`,
+`RefusedFrame`, `SnapshotFrame`, `AheadFrame`, `DecisionFrame`, `StyleFrame`, `PongFrame` down (see
+Schemas). A held stick is repeated 20 to 30 times a second; without a fresh frame the machine holds
+after 0.5 s and sits down after 10 s.
 """
 UP: tuple[type[BaseModel], ...] = tuple(CLIENT_FRAMES.values())
 DOWN: tuple[type[BaseModel], ...] = (
@@ -31,6 +31,7 @@ DOWN: tuple[type[BaseModel], ...] = (
     AheadFrame,
     DecisionFrame,
     StyleFrame,
+    PongFrame,
 )
 
 

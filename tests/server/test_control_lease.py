@@ -49,13 +49,23 @@ class Stage:
         self.lease = ControlLease(loop)
 
     def press(
-        self, session: Session, speed: float = 0.08, echo: int | None = None, seq: int | None = None
+        self,
+        session: Session,
+        speed: float = 0.08,
+        echo: int | None = None,
+        seq: int | None = None,
+        by_hand: bool = True,
     ) -> str:
         echo = self.loop.newest.tick if echo is None else echo
         seq = session.sequence + 1 if seq is None else seq
         self.lease.count(session)
         frame = DriveFrame(
-            seq=seq, echo_tick=echo, crab_angle_rad=0.0, speed_m_s=speed, turn_rate_rad_s=0.0
+            seq=seq,
+            echo_tick=echo,
+            crab_angle_rad=0.0,
+            speed_m_s=speed,
+            turn_rate_rad_s=0.0,
+            by_hand=by_hand,
         )
         return text_of(self.lease.handle(session, frame))
 
@@ -144,6 +154,18 @@ def test_after_the_dead_man_the_stick_must_be_let_go_first(stage: Stage) -> None
     assert stage.press(session, speed=0.0) == ""
     assert stage.press(session) == ""
     assert not stage.walk().holds
+
+
+def test_a_page_that_holds_by_itself_has_not_seen_the_hand_let_go(stage: Stage) -> None:
+    session = stage.lease.open("a")
+    stage.press(session)
+    assert stage.press(session, speed=0.0, by_hand=False) == ""
+    assert stage.walk().holds
+    assert stage.press(session) == CENTRE_FIRST
+    stage.press(session, speed=0.0, by_hand=False)
+    assert stage.press(session) == CENTRE_FIRST
+    stage.press(session, speed=0.0)
+    assert stage.press(session) == "" and stage.walk().speed == 0.08
 
 
 def test_a_short_stall_is_no_stop(stage: Stage) -> None:

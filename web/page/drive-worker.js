@@ -1,7 +1,13 @@
 // Owns the /drive socket: repeats the newest command while the page lives, and lets go when it does
 // not. In a worker, because heavy drawing stalls the page's own thread for hundreds of milliseconds.
+//
+// Every press of a hand has a number. A press that was let go of without the hand, since the page
+// hung or its picture grew old, moves nothing any more: the next press does.
 
-/** @import {Command, PageMessage, Posture, ServerFrame, WorkerMessage} from "./frames" */
+/**
+ * @import {Command, DropReason, Health, PageMessage, PongFrame, Posture, RefusedFrame,
+ *   ServerFrame, SnapshotFrame, WorkerMessage} from "./frames"
+ */
 
 const TICK = 20; // ms between looks at the clock
 const REPEAT = 40; // ms between repeats of a held command
@@ -9,6 +15,12 @@ const SOONEST = 16; // ms between two frames: the server allows 100 a second
 const PAGE_SILENT = 500; // ms without a sign of life from the page after which the machine holds
 const SETTLE = 400; // ms for which a released stick is still repeated as zero
 const IDLE_RELEASE = 6000; // ms at rest after which others may drive
+const PING_EVERY = 250; // ms
+const LATE = 600; // ms without a new picture, or without an answer, after which the hand is let go
+const GONE = 3000; // ms of the same after which a new connection is tried
+const OPENS_WITHIN = 6000; // ms a new connection may take
+const STALLED = 250; // ms between two looks at the clock: this worker itself was not run
+const HEALTH_EVERY = 100; // ms
 const RETRY_FIRST = 250; // ms
 const RETRY_MAX = 3000; // ms
 // modes in which letting go of the lease would stop the machine half-way
@@ -22,6 +34,17 @@ let socket = null;
 let sequence = 0;
 let tick = 0; // of the newest snapshot
 let command = REST; // what is sent
+let press = 0; // of a hand, the newest heard of
+let dropped = 0; // the newest press that moves nothing any more
+let pressSequence = 0; // of the first frame of the newest press
+let looked = 0; // when the clock was looked at
+let pictured = 0; // when the newest picture came
+let pinged = 0; // when the ping was sent that is not answered yet; 0: none is out
+let pingDue = 0;
+let openBy = 0; // when a connection being made is given up
+let healthSaid = 0;
+/** @type {number | null} */
+let roundTrip = null; // ms
 let pageSeen = 0;
 let sentAt = 0;
 let restSince = -Infinity;
@@ -41,9 +64,44 @@ function send(frame) {
   if (socket?.readyState === WebSocket.OPEN) socket.send(JSON.stringify(frame));
 }
 
-function drive() {
+/** @param {boolean} by_hand whether what rests was let go of by a hand */
+function drive(by_hand = press > dropped) {
   sentAt = now();
-  send({ type: "drive", seq: sequence++, echo_tick: tick, ...command });
+  send({ type: "drive", seq: sequence++, echo_tick: tick, ...command, by_hand });
+}
+
+/**
+ * Hold, whatever the hand does: what it presses now moves nothing any more.
+ * @param {DropReason} reason
+ */
+function drop(reason) {
+  if (dropped === press) return;
+  dropped = press;
+  if (!rests(command)) {
+    command = REST;
+    restSince = now();
+    drive();
+  }
+  tell({ type: "dropped", press, reason });
+}
+
+/**
+ * What the page says of its stick.
+ * @param {Command} next
+ * @param {number} number of the press
+ */
+function follow(next, number) {
+  if (number > press) {
+    const anew = dropped === press; // so the hand has let go of what was dropped
+    press = number;
+    pressSequence = sequence;
+    if (anew) {
+      drive(true);
+      sentAt = -Infinity;
+    }
+  }
+  if (isLate()) drop("late");
+  obey(press > dropped ? next : REST);
 }
 
 /** @param {Command} next */
@@ -70,12 +128,14 @@ function release() {
 
 /** @param {Posture} posture */
 function pose(posture) {
+  dropped = press;
   command = REST;
   restSince = now() - SETTLE;
   send({ type: "posture", seq: sequence++, echo_tick: tick, posture });
 }
 
 function stop() {
+  dropped = press;
   command = REST;
   send({ type: "stop" });
 }
@@ -86,17 +146,52 @@ function take() {
 }
 
 function rearm() {
+  dropped = press;
   command = REST;
   send({ type: "take" });
-  drive();
+  drive(true); // the page has seen the stick at rest
   send({ type: "rearm" });
   restSince = now();
 }
 
-function repeat() {
+/** How old what the page shows may be, ms. */
+const age = () => Math.max(now() - pictured, pinged && now() - pinged);
+
+const isLate = () => socket?.readyState !== WebSocket.OPEN || age() > LATE;
+
+/** The link as it is: said to the page, let go of when late, given up when gone. */
+function watch() {
   const time = now();
-  // its next sign of life says what the stick says then
-  if (!rests(command) && time - pageSeen > PAGE_SILENT) obey(REST);
+  const stall = time - looked;
+  looked = time;
+  // not the link's fault: what has come meanwhile is still to be heard
+  if (stall > STALLED) {
+    pictured += stall;
+    if (pinged) pinged += stall;
+  }
+  if (socket?.readyState === WebSocket.OPEN) watchOpen(time);
+  else if (socket && time > openBy) lose();
+  if (time - healthSaid < HEALTH_EVERY) return;
+  healthSaid = time;
+  /** @type {Health} */
+  const health = { age: age(), round_trip: roundTrip, late: isLate() };
+  tell({ type: "health", health });
+}
+
+/** @param {number} time */
+function watchOpen(time) {
+  if (!pinged && time > pingDue) {
+    pinged = time;
+    send({ type: "ping", sent_ms: time });
+  }
+  if (isLate()) drop("late");
+  if (age() > GONE) lose();
+}
+
+function repeat() {
+  watch();
+  const time = now();
+  if (time - pageSeen > PAGE_SILENT) drop("hung");
   const due = time - sentAt >= REPEAT - 5;
   if (!rests(command)) {
     if (due) drive();
@@ -116,16 +211,23 @@ function connect() {
   tell({ type: "link", state: "connecting" });
   const mine = new WebSocket(address);
   socket = mine;
+  openBy = now() + OPENS_WITHIN;
   mine.onopen = () => {
     retry = RETRY_FIRST;
     tick = 0;
+    pictured = now();
+    pinged = 0;
+    roundTrip = null;
   };
   mine.onmessage = (event) => hear(JSON.parse(event.data));
   mine.onclose = () => socket === mine && lose();
 }
 
 function lose() {
+  const old = socket;
   socket = null;
+  old?.close();
+  drop("late");
   command = REST;
   holding = false;
   tell({ type: "link", state: "closed" });
@@ -135,12 +237,31 @@ function lose() {
 
 /** @param {ServerFrame} frame */
 function hear(frame) {
-  if (frame.type === "snapshot") {
-    tick = frame.tick;
-    if (holding && POSING.includes(frame.mode)) restSince = now();
-  } else if (frame.type === "lease") holding = frame.held;
+  if (frame.type === "snapshot") hearSnapshot(frame);
+  else if (frame.type === "lease") holding = frame.held;
   else if (frame.type === "hello") tell({ type: "link", state: "open" });
+  else if (frame.type === "pong") return hearPong(frame);
+  else if (frame.type === "refused") hearRefused(frame);
   tell({ type: "frame", frame });
+}
+
+/** @param {SnapshotFrame} frame */
+function hearSnapshot(frame) {
+  tick = frame.tick;
+  pictured = now();
+  if (holding && POSING.includes(frame.mode)) restSince = now();
+}
+
+/** @param {RefusedFrame} frame */
+function hearRefused({ code, seq }) {
+  if (code === "centre_first" && (seq ?? 0) > pressSequence) drop("refused");
+}
+
+/** @param {PongFrame} frame */
+function hearPong({ sent_ms, kept_ms }) {
+  roundTrip = Math.max(0, now() - sent_ms - kept_ms);
+  pinged = 0;
+  pingDue = now() + PING_EVERY;
 }
 
 /** @param {MessageEvent<PageMessage>} event */
@@ -149,7 +270,7 @@ onmessage = ({ data }) => {
   switch (data.type) {
     case "command":
     case "alive":
-      return obey(data.command);
+      return follow(data.command, data.press);
     case "posture":
       return pose(data.posture);
     case "release":

@@ -1,10 +1,12 @@
 // The worker that owns the socket, as the rest of the page talks to it.
 
-/** @import {Command, LinkState, PageMessage, Posture, ServerFrame, WorkerMessage} from "./frames" */
+/** @import {Command, DropReason, Health, LinkState, PageMessage, Posture, ServerFrame, WorkerMessage} from "./frames" */
 
 /**
  * @typedef {object} Listener
  * @property {(state: LinkState) => void} link
+ * @property {(health: Health) => void} health
+ * @property {(press: number, reason: DropReason) => void} dropped a press that moves nothing any more
  * @property {(frame: ServerFrame) => void} frame
  */
 
@@ -14,6 +16,8 @@ export class DriveLink {
     this.worker = new Worker("drive-worker.js", { type: "module" });
     this.worker.onmessage = (/** @type {MessageEvent<WorkerMessage>} */ { data }) => {
       if (data.type === "link") listener.link(data.state);
+      else if (data.type === "health") listener.health(data.health);
+      else if (data.type === "dropped") listener.dropped(data.press, data.reason);
       else listener.frame(data.frame);
     };
   }
@@ -23,17 +27,21 @@ export class DriveLink {
     this.worker.postMessage(message);
   }
 
-  /** @param {Command} command */
-  drive(command) {
-    this.#say({ type: "command", command });
+  /**
+   * @param {Command} command
+   * @param {number} press the number of the press it comes from
+   */
+  drive(command, press) {
+    this.#say({ type: "command", command, press });
   }
 
   /**
    * A sign of life, and what the stick says meanwhile.
    * @param {Command} command
+   * @param {number} press
    */
-  alive(command) {
-    this.#say({ type: "alive", command });
+  alive(command, press) {
+    this.#say({ type: "alive", command, press });
   }
 
   /** @param {Posture} posture */

@@ -41,6 +41,12 @@ export interface LeaseFrame {
   stopped: boolean;
 }
 
+export interface PongFrame {
+  type: "pong";
+  sent_ms: number;
+  kept_ms: number;
+}
+
 export interface RefusedFrame {
   type: "refused";
   seq: number | null;
@@ -135,6 +141,7 @@ export type ServerFrame =
   | StyleFrame
   | LeaseFrame
   | RefusedFrame
+  | PongFrame
   | SnapshotFrame
   | AheadFrame
   | NothingAheadFrame
@@ -144,18 +151,30 @@ export type LinkState = "connecting" | "open" | "closed";
 
 /** Page to worker. */
 export type PageMessage =
-  | { type: "command"; command: Command }
-  | { type: "alive"; command: Command }
+  | { type: "command"; command: Command; press: number }
+  | { type: "alive"; command: Command; press: number }
   | { type: "posture"; posture: Posture }
   | { type: "release" }
   | { type: "stop" }
   | { type: "take" }
   | { type: "rearm" };
 
+/** Why a press was let go of without the hand. */
+export type DropReason = "late" | "hung" | "refused";
+
 /** Worker to page. */
 export type WorkerMessage =
   | { type: "link"; state: LinkState }
+  | { type: "health"; health: Health }
+  | { type: "dropped"; press: number; reason: DropReason }
   | { type: "frame"; frame: ServerFrame };
+
+/** How old what the page shows is, and how long the way to the server and back takes, ms. */
+export interface Health {
+  age: number;
+  round_trip: number | null;
+  late: boolean;
+}
 
 /** What the stick asks for: x forward and y left with a length of at most 1, turn from -1 to 1. */
 export interface StickValue {
@@ -166,6 +185,7 @@ export interface StickValue {
 
 /** What the browser keeps for its user. */
 export interface Saved {
+  repeats?: boolean; // held keys repeat here
   speed?: string;
   strips?: boolean;
   tab?: string;

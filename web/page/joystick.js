@@ -1,10 +1,19 @@
 // The drive stick: pointer, touch and held keys become one direction (x forward, y left, length 0
 // to 1) and one turn (-1 to 1).
+//
+// What is held is believed only as long as the page can see it: a browser's menu keeps the key-up
+// for itself. A keyboard that repeats held keys must go on repeating the last one.
 
 /** @import {StickValue} from "./frames" */
 
 import { div, element, input } from "./dom.js";
+import { keep, saved } from "./settings.js";
 
+const FIRST_REPEAT = 1200; // ms until a held key repeats at last
+const NEXT_REPEAT = 400; // ms between its repeats at last
+const LOOK = 100; // ms between looks at the held key
+const LOOK_LATE = 300; // ms; later than this the page was busy, and repeats may be waiting
+const IGNORED_FOR = 2000; // ms after which an ignored key without a sign is taken as let go
 const DEAD = 0.1; // share of the throw that still counts as rest
 const SLOW = 1 / 3; // with Shift
 const ARC = 88; // radius of the crab angle's arc in the stick's drawing
@@ -27,6 +36,13 @@ export const isDrivingKey = (code) => code in DIRECTIONS || code in TURNS;
 export class Joystick {
   /** @param {(value: StickValue) => void} changed */
   constructor(changed) {
+    this.presses = 0; // counted: by a hand, each a sign that it is there
+    /** @type {Set<string | number>} */
+    this.ignored = new Set(); // keys and pointers still held that move nothing any more
+    this.ignoredSeen = 0; // ms, when a key among them last showed itself
+    this.repeating = ""; // the last key pressed, which repeats while it is held
+    this.believedUntil = Infinity; // ms, unless it repeats
+    this.looked = 0;
     this.changed = changed;
     this.pad = div("stick");
     this.knob = div("knob");
@@ -74,7 +90,22 @@ export class Joystick {
     this.slow = slow;
     if (this.keys.has(code)) return;
     this.keys.add(code);
+    this.ignored.delete(code);
+    this.repeating = code;
+    this.believedUntil = saved.repeats ? performance.now() + FIRST_REPEAT : Infinity;
+    this.presses++;
     this.#show();
+  }
+
+  /**
+   * A held key says that it still is.
+   * @param {string} code
+   */
+  repeat(code) {
+    if (this.ignored.has(code)) this.ignoredSeen = performance.now();
+    if (code !== this.repeating) return;
+    if (!saved.repeats) keep({ repeats: true });
+    this.believedUntil = performance.now() + NEXT_REPEAT;
   }
 
   /**
@@ -83,18 +114,31 @@ export class Joystick {
    */
   lift(code, slow) {
     this.slow = slow;
-    if (this.keys.delete(code)) this.#show();
+    this.ignored.delete(code);
+    // of several keys only the last one repeats, and none when that is let go
+    if (code === this.repeating) this.believedUntil = Infinity;
+    this.keys.delete(code);
+    this.#show();
   }
 
+  /** Keys move nothing before they are pressed anew. */
   liftKeys() {
     if (!this.keys.size) return;
+    for (const code of this.keys) this.ignored.add(code);
+    this.ignoredSeen = performance.now();
     this.keys.clear();
     this.#show();
   }
 
+  /** Whether a hand holds anything here, as far as the page can see. */
+  get isHeld() {
+    return this.pointer !== null || this.keys.size > 0 || this.slide !== 0;
+  }
+
   /** Everything at rest, also a stick that is still held: it moves nothing before it is grabbed anew. */
   letGo() {
-    this.keys.clear();
+    this.liftKeys();
+    if (this.pointer !== null) this.ignored.add(this.pointer);
     this.#straighten();
     this.#release();
   }
@@ -102,11 +146,16 @@ export class Joystick {
   #listen() {
     const { pad, slider } = this;
     pad.addEventListener("pointerdown", (event) => this.#grab(event));
-    pad.addEventListener("pointermove", (event) => this.#mine(event) && this.#move(event));
+    pad.addEventListener("pointermove", (event) => this.#mine(event) && this.#follow(event));
+    document.addEventListener("pointerup", (event) => this.#forget(event.pointerId));
+    document.addEventListener("pointercancel", (event) => this.#forget(event.pointerId));
+    setInterval(() => this.#look(), LOOK);
     for (const end of /** @type {const} */ (["pointerup", "pointercancel", "lostpointercapture"])) {
       pad.addEventListener(end, (event) => this.#mine(event) && this.#release());
     }
     pad.addEventListener("contextmenu", (event) => event.preventDefault());
+    slider.addEventListener("pointerdown", () => this.presses++);
+    slider.addEventListener("keydown", () => this.presses++);
     slider.addEventListener("input", () => {
       this.slide = -Number(slider.value);
       this.#show();
@@ -130,8 +179,37 @@ export class Joystick {
     event.preventDefault();
     this.pad.focus({ preventScroll: true });
     this.pointer = event.pointerId;
+    this.ignored.clear();
+    this.presses++;
     this.pad.setPointerCapture(event.pointerId);
     this.#move(event);
+  }
+
+  /**
+   * A mouse that moves without its button was let go where the page could not see it.
+   * @param {PointerEvent} event
+   */
+  #follow(event) {
+    if (event.buttons) this.#move(event);
+    else this.#release();
+  }
+
+  /** @param {number | string} held */
+  #forget(held) {
+    if (this.ignored.delete(held)) this.#show();
+  }
+
+  #forgetKeys() {
+    for (const held of this.ignored) if (typeof held === "string") this.#forget(held);
+  }
+
+  /** The key that should have said it is held and did not is let go, and all others with it. */
+  #look() {
+    const time = performance.now();
+    const busy = time - this.looked > LOOK_LATE;
+    this.looked = time;
+    if (!busy && time > this.believedUntil && this.keys.size) this.liftKeys();
+    if (time > this.ignoredSeen + IGNORED_FOR) this.#forgetKeys();
   }
 
   /** @param {PointerEvent} event */
@@ -168,6 +246,7 @@ export class Joystick {
     const reach = this.#throw();
     this.knob.style.transform = `translate(${-y * reach}px, ${-x * reach}px)`;
     this.pad.classList.toggle("held", active || this.pointer !== null);
+    this.pad.classList.toggle("ignored", !this.isHeld && this.ignored.size > 0);
     this.line.setAttribute("x2", String(-y * SHAFT));
     this.line.setAttribute("y2", String(-x * SHAFT));
     this.wedge.setAttribute("d", active ? arc(Math.atan2(y, x)) : "");

@@ -7,6 +7,7 @@ import { element } from "./dom.js";
 import { isDrivingKey } from "./joystick.js";
 
 const FIELDS = "select, textarea, input:not([type=checkbox]):not([type=range])";
+const OPENS_MENUS = /^(Alt|Control|Meta|ContextMenu|F\d)/; // key-ups may go elsewhere from here on
 const RATE_KEY = /^Digit([1-8])$/;
 
 /**
@@ -30,6 +31,7 @@ export function listenToKeys(stick, keys) {
   // before any other rule, and before anything else hears of it: lists, dialogs, buttons
   window.addEventListener("keydown", (event) => stopKey(keys, event), true);
   document.addEventListener("keydown", (event) => {
+    if (OPENS_MENUS.test(event.code)) stick.liftKeys();
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     if (help.open || isField(event.target)) return;
     if (switched(event) || press(stick, keys, event)) event.preventDefault();
@@ -73,7 +75,8 @@ function switched({ code, target, repeat }) {
 function press(stick, keys, { code, key, repeat, shiftKey }) {
   if (code === "Escape" && keys.closeMenu()) return true;
   if (isDrivingKey(code)) {
-    if (!repeat) stick.press(code, shiftKey);
+    if (repeat) stick.repeat(code);
+    else stick.press(code, shiftKey);
     return true;
   }
   const act = actionOf(keys, code, key);

@@ -4,6 +4,8 @@
 
 import { button, div, write } from "./dom.js";
 
+const SHOWN_ELSEWHERE = ["out_of_order", "centre_first", "stopped", "stale"]; // stick and button say it
+
 /** @type {Omit<LeaseFrame, "type">} */
 export const NO_LEASE = { held: false, holder: null, stopped: false };
 
@@ -46,7 +48,8 @@ function tone({ held, holder }) {
  * @param {string} reason
  */
 export function refusalText(code, reason) {
-  if (code === "out_of_order") return "";
-  if (code === "centre_first") return "Let the stick go once, then drive.";
+  if (SHOWN_ELSEWHERE.includes(code)) return "";
+  if (code === "other_drives") return "Somebody else drives. Take over first.";
+  if (code === "not_shown") return "Another world has begun. Let go, then press again.";
   return `${reason[0].toUpperCase()}${reason.slice(1)}.`;
 }

@@ -1,7 +1,7 @@
 // The page: wires stick, keys and buttons to the link and the REST routes, and frames to what shows
 // them.
 
-/** @import {Command, LinkState, Posture, ServerFrame, SnapshotFrame, StickValue} from "./frames" */
+/** @import {Command, DropReason, LinkState, Posture, ServerFrame, SnapshotFrame, StickValue} from "./frames" */
 
 import { order } from "./api.js";
 import { Brushes } from "./brushes.js";
@@ -16,7 +16,7 @@ import { PostureControls } from "./posture_controls.js";
 import { letEveryFingerClick, onPress } from "./press.js";
 import { degrees, drawTicks, showReadouts } from "./readouts.js";
 import { keep, saved } from "./settings.js";
-import { say, showBanner, showLink } from "./status.js";
+import { say, showBanner, showHealth, showLink } from "./status.js";
 import { TimeSeries } from "./time_series.js";
 import { ViewMenu } from "./view_menu.js";
 import { ViserFrame } from "./viser_frame.js";
@@ -27,6 +27,12 @@ const TURN_FULL = 0.15; // rad/s at full turn
 const STOP_HOLDS = 800; // ms after a stop in which nothing here releases it
 const SPEED_FIRST = "0.12"; // m/s at full stick, until somebody chooses
 
+const DROPPED = {
+  late: "The picture was too old to drive by. Let go, then press again.",
+  hung: "This page stood still for a moment. Let go, then press again.",
+  refused: "The machine stopped waiting for this press. Let go, then press again.",
+};
+
 /** @type {SnapshotFrame | null} */
 let newest = null;
 let lease = { ...NO_LEASE };
@@ -34,7 +40,7 @@ let ours = ""; // this page's name in the lease
 let linked = false;
 let stoppedAt = -Infinity; // ms, by this page
 
-const link = new DriveLink({ link: linkChanged, frame: hear });
+const link = new DriveLink({ link: linkChanged, health: showHealth, dropped, frame: hear });
 const scene = new ViserFrame();
 const series = new TimeSeries();
 const decisions = new DecisionPanel();
@@ -64,7 +70,18 @@ function drive(value) {
   write("turn-asked", `${Math.round(degrees(command.turn_rate_rad_s))}°/s`);
   const moves = command.speed_m_s || command.turn_rate_rad_s;
   if (moves && lease.stopped) say("Stopped. Release the stop to drive.");
-  link.drive(command);
+  link.drive(command, stick.presses);
+}
+
+/**
+ * The worker has let go by itself.
+ * @param {number} press
+ * @param {DropReason} reason
+ */
+function dropped(press, reason) {
+  if (press < stick.presses) return;
+  if (stick.isHeld) say(DROPPED[reason]);
+  stick.letGo();
 }
 
 function letGo() {
@@ -82,7 +99,12 @@ function stop() {
 /** The second tap of a hand in fright does not release what its first has stopped. */
 function stopOrRelease() {
   if (!lease.stopped) stop();
-  else if (performance.now() - stoppedAt > STOP_HOLDS) link.rearm();
+  else if (performance.now() - stoppedAt > STOP_HOLDS) release();
+}
+
+function release() {
+  if (stick.isHeld) say("Let go of the stick first, then release the stop.");
+  else link.rearm();
 }
 
 /** @param {Posture} posture */
@@ -93,15 +115,29 @@ function pose(posture) {
 }
 
 function letGoWhenLeft() {
-  setInterval(() => link.alive(commandOf(stick.value)), ALIVE);
+  setInterval(() => link.alive(commandOf(stick.value), stick.presses), ALIVE);
   // Clicking into the scene takes the focus from this document but not from the console: keys are
   // let go, the pointer stays.
   window.addEventListener("blur", () => {
     stick.liftKeys();
     setTimeout(() => document.hasFocus() || letGo(), 0);
   });
+  letGoWhereItCannotBeSeen();
   document.addEventListener("visibilitychange", () => document.hidden && letGo());
   window.addEventListener("pagehide", letGo);
+}
+
+/** Menus and lists keep the end of a press for themselves, and so does what is outside the page. */
+function letGoWhereItCannotBeSeen() {
+  window.addEventListener("contextmenu", (event) => event.defaultPrevented || letGo());
+  window.addEventListener("handsoff", letGo); // from the scene's frame
+  for (const list of document.querySelectorAll("select")) {
+    for (const opened of ["pointerdown", "focus"]) list.addEventListener(opened, letGo);
+  }
+  document.documentElement.addEventListener("mouseleave", ({ clientX: x, clientY: y }) => {
+    const inside = x > 0 && y > 0 && x < window.innerWidth && y < window.innerHeight;
+    if (!inside) stick.liftKeys();
+  });
 }
 
 function chooseTopSpeed() {
@@ -192,6 +228,8 @@ function hear(frame) {
       return hearRefusal(refusalText(frame.code, frame.reason));
     case "decision":
       return decisions.show(frame);
+    case "pong":
+      return undefined; // the worker's
     case "ahead":
       return series.footholds.foresee(frame);
     case "snapshot":

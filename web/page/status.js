@@ -1,8 +1,8 @@
 // What the page says of itself: the link's pill, the overlay without one, the banner, the toast.
 
-/** @import {LinkState, SnapshotFrame} from "./frames" */
+/** @import {Health, LinkState, SnapshotFrame} from "./frames" */
 
-import { div, make } from "./dom.js";
+import { div, make, write } from "./dom.js";
 import { trouble } from "./readouts.js";
 
 const TOAST = 3500; // ms
@@ -29,7 +29,7 @@ export function say(text) {
 /** @param {LinkState} state */
 export function showLink(state) {
   div("link").dataset.state = state;
-  div("link-text").textContent = LINK_WORDS[state];
+  write("link-text", LINK_WORDS[state]);
   clearTimeout(lostTimer);
   const lost = div("lost");
   if (state === "open") lost.hidden = true;
@@ -38,6 +38,17 @@ export function showLink(state) {
       lost.hidden = false;
     }, LOST_AFTER);
   }
+}
+
+/** @param {Health} health */
+export function showHealth({ age, round_trip, late }) {
+  const open = div("link").dataset.state === "open";
+  document.body.classList.toggle("late", late && open);
+  div("link").dataset.late = String(late && open);
+  if (!open) return;
+  if (late) write("link-text", `no picture for ${(age / 1000).toFixed(1)} s`);
+  else if (round_trip === null) write("link-text", LINK_WORDS.open);
+  else write("link-text", `${round_trip.toFixed(0)} ms`);
 }
 
 /**

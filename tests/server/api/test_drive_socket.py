@@ -69,6 +69,13 @@ def ended(socket: WebSocketTestSession) -> int:
     return caught.value.code
 
 
+def test_a_ping_is_answered_with_what_it_said_and_how_long_it_was_kept(client: TestClient) -> None:
+    with page(client) as one:
+        one.socket.send_json({"type": "ping", "sent_ms": 8120.5})
+        pong = one.told("pong")
+        assert pong["sent_ms"] == 8120.5 and 0.0 <= pong["kept_ms"] < 5000.0
+
+
 def test_a_page_is_greeted_told_who_drives_and_shown_the_world(client: TestClient) -> None:
     with page(client) as one:
         assert one.hello["dead_man_s"] == 0.5 and one.hello["tick_s"] == 0.02

@@ -1,0 +1,110 @@
+"""The console in a real browser: opened once for all tests, and on a phone."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Page, sync_playwright
+
+from tests.web.browsing import BROWSER, ERRORS, FLAGS, Fingers, detail, now, picture, tell, until
+
+
+@pytest.fixture(scope="session")
+def served(
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Iterator[tuple[str, "subprocess.Popen[str]"]]:
+    """A console of its own: its address and its process."""
+    words = [
+        sys.executable,
+        "-m",
+        "walking_console",
+        "serve",
+        "--port",
+        "0",
+        "--no-open",
+        "--scenario",
+        "flat",
+    ]
+    data = tmp_path_factory.mktemp("served")
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).resolve().parents[2])}
+    server = subprocess.Popen(
+        words,
+        cwd=data,
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+    )
+    assert server.stdout is not None
+    try:
+        yield server.stdout.readline().strip(), server
+    finally:
+        server.terminate()
+        server.communicate(timeout=15)
+
+
+@pytest.fixture(scope="session")
+def address(served: tuple[str, "subprocess.Popen[str]"]) -> str:
+    return served[0]
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    with sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=BROWSER, args=list(FLAGS))
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture(scope="session")
+def opened(address: str, browser: Browser) -> Iterator[Page]:
+    """The console in one page; opened once, since the first drawing takes software a while."""
+    page = browser.new_page(viewport={"width": 900, "height": 620})
+    page.on("pageerror", lambda error: ERRORS.append(str(error)))
+    page.goto(address)
+    page.wait_for_selector("body.live")
+    until(
+        page, lambda: page.frames[1].locator("canvas").count() > 0 and detail(picture(page)) > 8.0
+    )
+    yield page
+    page.close()
+
+
+@pytest.fixture
+def page(address: str, opened: Page) -> Iterator[Page]:
+    """The open page, the machine at its start."""
+    tell(address, "reset")
+    yield opened
+    opened.mouse.up()
+
+
+@pytest.fixture
+def phone(address: str, browser: Browser) -> Iterator[Page]:
+    """The console on a phone held sideways."""
+    tell(address, "reset")
+    context = browser.new_context(
+        viewport={"width": 844, "height": 390}, has_touch=True, is_mobile=True
+    )
+    page = context.new_page()
+    page.goto(address)
+    page.wait_for_selector("body.live")
+    if page.locator("#take").is_visible():
+        page.tap("#take")
+    yield page
+    context.close()
+
+
+@pytest.fixture
+def fingers(address: str, phone: Page) -> Iterator[Fingers]:
+    """Fingers on that phone, the first of them driving ahead."""
+    found = Fingers(phone)
+    x, y = found.middle("#stick")
+    found.press(0, x, y)
+    found.move(0, x, y - 60)
+    until(phone, lambda: now(address)["walked_m_s"] > 0.0)
+    yield found
+    if 0 in found.down:
+        found.lift(0)

@@ -1,0 +1,139 @@
+"""Nothing moves that no hand moves: a picture that grows old, a page that hangs, and keys let go of
+where the page cannot see it.
+"""
+
+import os
+import re
+import signal
+import subprocess
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Page
+
+from tests.web.browsing import IN_A_BROWSER, drag_until, key_until, now, until
+
+pytestmark = IN_A_BROWSER
+
+LATE_BY = "new Promise(done => { const began = performance.now(); const look = () =>\
+ document.body.classList.contains('late') ? done(performance.now() - began)\
+ : setTimeout(look, 20); look(); })"
+
+
+@pytest.fixture
+def frozen(served: tuple[str, "subprocess.Popen[str]"]) -> Iterator[list[int]]:
+    """Freezes the server when it is asked; thawed at the end in any case."""
+    process = served[1]
+    yield [process.pid]
+    os.kill(process.pid, signal.SIGCONT)
+
+
+def stands(address: str) -> bool:
+    seen = now(address)
+    return bool(seen["speed_m_s"] == 0.0 and seen["walked_m_s"] == 0.0)
+
+
+def stays(page: Page, address: str, seconds: float = 1.5) -> None:
+    """It stands, and nothing moves it meanwhile."""
+    until(page, lambda: stands(address))
+    place = now(address)["body"]
+    page.wait_for_timeout(seconds * 1000)
+    assert stands(address) and now(address)["body"] == place
+
+
+def test_the_way_there_and_back_is_shown(page: Page) -> None:
+    until(page, lambda: re.fullmatch(r"\d+ ms", page.inner_text("#link-text")) is not None)
+
+
+def test_a_frozen_server_is_said_within_a_second_and_lets_the_stick_go(
+    address: str, page: Page, frozen: list[int]
+) -> None:
+    drag_until(page, 0.0, 1.0, lambda: now(address)["walked_m_s"] > 0.0)
+    os.kill(frozen[0], signal.SIGSTOP)
+    assert page.evaluate(LATE_BY) < 1000.0
+    assert page.inner_text("#link-text").startswith("no picture for")
+    assert page.locator("#stick.ignored").count() == 1
+    os.kill(frozen[0], signal.SIGCONT)
+    until(page, lambda: page.locator("body.late").count() == 0)
+    stays(page, address)  # the stick is still held
+    page.mouse.up()
+    assert page.locator("#stick.ignored").count() == 0
+    drag_until(page, 0.0, 1.0, lambda: now(address)["walked_m_s"] > 0.0)
+
+
+def test_a_server_frozen_for_longer_is_lost_and_found_again(
+    address: str, page: Page, frozen: list[int]
+) -> None:
+    os.kill(frozen[0], signal.SIGSTOP)
+    until(page, lambda: page.locator("#lost").is_visible())
+    os.kill(frozen[0], signal.SIGCONT)
+    until(page, lambda: not page.locator("#lost").is_visible())
+    key_until(page, "w", lambda: now(address)["walked_m_s"] > 0.0)
+    page.keyboard.up("w")
+
+
+def test_a_page_that_hung_moves_nothing_again_before_a_new_press(address: str, page: Page) -> None:
+    drag_until(page, 0.0, 1.0, lambda: now(address)["walked_m_s"] > 0.0)
+    page.evaluate("{ const end = performance.now() + 3000; while (performance.now() < end); }")
+    stays(page, address)
+    page.mouse.up()
+    drag_until(page, 0.0, 1.0, lambda: now(address)["walked_m_s"] > 0.0)
+
+
+def held(page: Page, address: str) -> None:
+    """W held down until the machine walks."""
+    key_until(page, "w", lambda: bool(now(address)["walked_m_s"] > 0.0))
+
+
+def test_a_key_that_no_longer_says_it_is_held_is_let_go(address: str, page: Page) -> None:
+    held(page, address)
+    stays(page, address)
+    page.keyboard.down("w")  # it is still held, after all: that is no new press
+    stays(page, address, 0.5)
+    page.keyboard.up("w")
+
+
+@pytest.mark.parametrize("menu", ["menu", "menu in the scene", "list", "Alt"])
+def test_a_menu_that_opens_lets_the_keys_go(address: str, page: Page, menu: str) -> None:
+    held(page, address)
+    if menu == "menu":
+        page.mouse.click(*middle(page, "#state"), button="right")
+    elif menu == "menu in the scene":
+        page.frames[1].evaluate("window.dispatchEvent(new Event('contextmenu'))")
+    elif menu == "list":
+        page.locator("#scenario").dispatch_event("pointerdown")
+    else:
+        page.keyboard.press("Alt")
+    page.keyboard.down("w")
+    stays(page, address, 0.5)
+    page.keyboard.up("w")
+
+
+def middle(page: Page, selector: str) -> tuple[float, float]:
+    box = page.locator(selector).bounding_box()
+    assert box is not None
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+def test_a_mouse_button_let_go_of_outside_is_seen_when_the_mouse_moves_again(
+    address: str, page: Page
+) -> None:
+    drag_until(page, 0.0, 1.0, lambda: now(address)["walked_m_s"] > 0.0)
+    page.evaluate(
+        "stick => stick.dispatchEvent(new PointerEvent('pointermove', {pointerId: 1, buttons: 0}))",
+        page.locator("#stick").element_handle(),
+    )
+    stays(page, address, 0.5)
+
+
+def test_a_stop_is_not_released_while_the_stick_is_held(address: str, page: Page) -> None:
+    page.keyboard.press("Space")
+    until(page, lambda: now(address)["stopped"])
+    page.wait_for_timeout(1000)
+    page.keyboard.down("w")
+    page.keyboard.press("r")
+    until(page, lambda: "Let go" in page.inner_text("#toast"))
+    assert now(address)["stopped"]
+    page.keyboard.up("w")
+    page.keyboard.press("r")
+    until(page, lambda: not now(address)["stopped"])
