@@ -9,7 +9,7 @@ import subprocess
 from collections.abc import Iterator
 
 import pytest
-from playwright.sync_api import Page
+from playwright.sync_api import Browser, Page
 
 from tests.web.browsing import IN_A_BROWSER, drag_until, key_until, now, until
 
@@ -137,3 +137,23 @@ def test_a_stop_is_not_released_while_the_stick_is_held(address: str, page: Page
     page.keyboard.up("w")
     page.keyboard.press("r")
     until(page, lambda: not now(address)["stopped"])
+
+
+@pytest.mark.parametrize("size", [(320, 568), (360, 225), (390, 844), (844, 390), (1024, 768)])
+def test_stop_and_stick_are_on_the_screen_at_every_size(
+    address: str, browser: Browser, size: tuple[int, int]
+) -> None:
+    """360 × 225 is a window of 1440 × 900 at 400 %."""
+    page = browser.new_page(viewport={"width": size[0], "height": size[1]})
+    page.goto(address)
+    page.wait_for_selector("body.live")
+    for control in ("#stop", "#stick"):
+        box = page.locator(control).bounding_box()
+        assert box is not None and box["x"] >= 0 and box["y"] >= 0
+        assert box["x"] + box["width"] <= size[0] and box["y"] + box["height"] <= size[1]
+    hit = "([x, y]) => document.elementFromPoint(x, y).closest('button')?.id"
+    assert page.evaluate(hit, middle(page, "#stop")) == "stop"
+    page.locator("#attitudes").scroll_into_view_if_needed()
+    page.locator("[data-posture=sit]").scroll_into_view_if_needed()
+    assert page.evaluate(hit, middle(page, "#stop")) == "stop"
+    page.close()
