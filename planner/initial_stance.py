@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from .geometry.transforms import Pose, left_fold_sum, placed
+from .geometry.transforms import XY, Pose, left_fold_sum, placed
 from .protocols import Capabilities
 from .robot.model import Machine
 from .stability import polygon_margin, support_polygon
@@ -64,15 +65,25 @@ def stance_on(
     if margin < 0.0:
         raise ValueError(f"the centre of gravity is {-margin:.3f} m outside the feet")
     places = [placed((x, y, yaw), fx, fy) for fx, fy in feet]
-    heights = [height_at(px, py) for px, py in places]
-    if any(h != h for h in heights):
+    if any(math.isnan(height_at(px, py)) for px, py in places):
         raise ValueError("a foot is over a hole")
-    tips: tuple[Point, ...] = tuple(
-        (px, py, h) for (px, py), h in zip(places, heights, strict=True)
+    return standing(machine, gait, (x, y, yaw), places, height_at)
+
+
+def standing(
+    machine: Machine, gait: Gait, pose: Pose, places: Sequence[XY], height_at: HeightAt
+) -> Stance:
+    """Feet at absolute places on the ground, over a hole at the mean of the others, and the body H
+    above their mean as far as the legs reach.
+    """
+    heights = [height_at(px, py) for px, py in places]
+    solid = [z for z in heights if z == z]
+    ground = left_fold_sum(solid) / len(solid) if solid else 0.0
+    feet = tuple(
+        (px, py, z if z == z else ground) for (px, py), z in zip(places, heights, strict=True)
     )
     low, high = machine.z_range
-    z = min(
-        max(left_fold_sum(heights) / len(heights) + gait.height, max(heights) - high),
-        min(heights) - low,
-    )
-    return Stance((x, y, z, yaw), tips)
+    highest = min(foot[2] for foot in feet) - low
+    z = min(max(ground + gait.height, max(foot[2] for foot in feet) - high), highest)
+    x, y, yaw = pose
+    return Stance((x, y, z, yaw), feet)

@@ -8,50 +8,40 @@ ground at its fourth step.
 from __future__ import annotations
 
 from ..geometry.paths import line_exit
-from ..robot.model import Machine
+from ..motion.leg_order import SUCCESSOR
 from ..terrain.cells import foothold_map
-from ..terrain.map import TerrainMap
-from ..types import Blocked, Command, Gait, Reason, Stance, StepPlan
-from .decision_log import DecisionLog, StepRefusal
+from ..types import Blocked, Reason, StepPlan
+from .decision_log import StepRefusal
 from .foothold_checks import FootholdChecks
-from .gait import SUCCESSOR, NominalGait, Posture, nominal_gait, posture_of
-from .leg_selection import exits_of, planned_margin, shift_of
+from .gait import Posture, nominal_gait, posture_of
+from .leg_selection import planned_margin, shift_of
 from .step_plans import build
-from .steps import Landing, Shift, SwingStep
+from .steps import Landing, Shift, StepRequest, SwingStep
 
 FIRST = 0  # H's leg 1 begins
 
 
-def plan_step(
-    stance: Stance,
-    command: Command,
-    terrain: TerrainMap,
-    machine: Machine,
-    gait: Gait,
-    *,
-    explain: bool = False,
-) -> StepPlan | Blocked:
+def plan_step(request: StepRequest) -> StepPlan | Blocked:
     """The next leg of the standard sequence, swung as far as it reaches, or why it cannot."""
-    nominal = nominal_gait(machine, gait, command.crab_angle, stance.quarter_turns)
+    stance, command = request.stance, request.command
+    nominal = nominal_gait(request.machine, request.gait, command.crab_angle, stance.quarter_turns)
     posture = posture_of(nominal, stance)
-    log: DecisionLog | None = None
-    if explain:
-        log = {"crab_angle": command.crab_angle, "quarter_turns": nominal.quarter_turns}
+    log = request.log(crab_angle=command.crab_angle, quarter_turns=nominal.quarter_turns)
     leg = SUCCESSOR[posture.last] if posture.last >= 0 else FIRST
-    shift = shift_of(nominal, posture, exits_of(nominal, posture), leg)
+    shift = shift_of(posture, leg)
     if isinstance(shift, StepRefusal):
         return Blocked(Reason.NO_SHIFT, nominal.body_leg[leg], log, {"shift": shift.value})
-    step = longest_step(nominal, posture, shift)
-    if not foothold_map(terrain).allows(step.landing.ax, step.landing.ay):
+    step = longest_step(posture, shift)
+    if not foothold_map(request.terrain).allows(step.landing.ax, step.landing.ay):
         return Blocked(Reason.PROHIBITED_CELL, nominal.body_leg[leg], log)
-    checks = FootholdChecks(nominal, posture, stance, terrain, machine, gait)
+    checks = FootholdChecks(posture, request)
     return build(checks, step, checks.height_after(step, step.landing), command.speed, log)
 
 
-def longest_step(nominal: NominalGait, posture: Posture, shift: Shift) -> SwingStep:
+def longest_step(posture: Posture, shift: Shift) -> SwingStep:
     """The foot straight on along the course, to the far side of its reach after the body's g."""
-    ux, uy, _ = nominal.path
-    box = nominal.boxes[shift.leg]
+    ux, uy, _ = posture.nominal.path
+    box = posture.nominal.boxes[shift.leg]
     fx, fy = posture.feet[shift.leg]
     g = shift.g
     # as the body will see the foot at N_{k+1}
@@ -62,5 +52,5 @@ def longest_step(nominal: NominalGait, posture: Posture, shift: Shift) -> SwingS
     x = inside_x + (g + way) * ux
     y = inside_y + (g + way) * uy
     landing = Landing(x, y, *posture.absolute(x, y))
-    margin = planned_margin(nominal, posture, shift)
+    margin = planned_margin(posture, shift)
     return SwingStep(shift.leg, shift.g0, g, (x, y), landing, margin, False)

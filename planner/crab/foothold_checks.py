@@ -21,12 +21,10 @@ from ..motion.body_height import (
 )
 from ..motion.swing import CLEARANCE
 from ..robot.collision import leg_in_the_way, something_tall
-from ..robot.model import Machine
-from ..terrain.map import TerrainMap
-from ..types import Gait, Point, Stance
+from ..types import Point
 from .decision_log import StepRefusal
-from .gait import NominalGait, Posture
-from .steps import Landing, Shift, SwingStep
+from .gait import Posture
+from .steps import Landing, Shift, StepRequest, SwingStep
 
 # shares of a swing at which the leg that swings is held against tall things; coarser and a pole
 # slips between
@@ -42,21 +40,13 @@ Swinging = Shift | SwingStep
 class FootholdChecks:
     """Heights around one stance: what Level B3 says of a foothold before it is taken."""
 
-    def __init__(
-        self,
-        nominal: NominalGait,
-        posture: Posture,
-        stance: Stance,
-        terrain: TerrainMap,
-        machine: Machine,
-        gait: Gait,
-    ) -> None:
-        self.nominal = nominal
+    def __init__(self, posture: Posture, request: StepRequest) -> None:
         self.posture = posture
-        self.stance = stance
-        self.terrain = terrain
-        self.machine = machine
-        self.gait = gait
+        self.nominal = nominal = posture.nominal
+        self.stance = stance = request.stance
+        self.terrain = terrain = request.terrain
+        self.machine = request.machine
+        self.gait = gait = request.gait
         self.heights = [stance.feet[leg][2] for leg in nominal.body_leg]  # legs of the gait frame
         self.level = terrain.highest if terrain.is_level else math.nan
         self.is_level = (
@@ -69,6 +59,10 @@ class FootholdChecks:
     def ground_at(self, landing: Landing) -> float:
         """Height of the foothold, m."""
         return self.level if self.is_level else self.terrain.height_at(landing.ax, landing.ay)
+
+    def foot_at(self, landing: Landing) -> Point:
+        """The foot on its new foothold, absolute frame."""
+        return landing.ax, landing.ay, self.ground_at(landing)
 
     def body_at(self, way: float, z: float) -> Body:
         """The body after so much way along the path, m, at height ``z``."""
@@ -154,8 +148,8 @@ class FootholdChecks:
 
     def _new_leg_meets(self, shift: Shift, landing: Landing, height: float) -> bool:
         """True when the leg that swings meets ground on its new foothold, as the step ends."""
-        foot = landing.ax, landing.ay, self.ground_at(landing)
-        return self._meets(self.body_at(shift.g, height), self._alone(shift.leg, foot))
+        feet = self._alone(shift.leg, self.foot_at(landing))
+        return self._meets(self.body_at(shift.g, height), feet)
 
     def _swinging_leg_meets(self, shift: Shift, landing: Landing) -> bool:
         """True when the leg that swings sweeps through ground on its way, lifted as it is; first

@@ -14,9 +14,10 @@ from typing import NamedTuple
 from ..geometry.paths import Box, line_exit
 from ..geometry.polygons import clipped, nearest_of
 from ..geometry.transforms import XY
-from ..terrain.cells import FootholdMap, outward, span_of
+from ..motion.leg_order import PREDECESSOR
+from ..terrain.cells import FootholdMap, cells_across
 from .decision_log import DecisionLog, StepRefusal, note_cell
-from .gait import FRONT_ACROSS, IS_FRONT, IS_LEFT, PREDECESSOR, REAR_ACROSS, NominalGait, Posture
+from .gait import FRONT_ACROSS, IS_FRONT, IS_LEFT, REAR_ACROSS, NominalGait, Posture
 from .steps import Landing
 
 NEAR = 1e-9  # m; rounding: a point this far outside a limit is on it
@@ -80,20 +81,14 @@ class Domain(NamedTuple):
         return None
 
 
-def domain_of(
-    nominal: NominalGait,
-    feet: tuple[XY, ...],
-    exits: tuple[float, ...],
-    leg: int,
-    g: float,
-    convergent: bool,
-) -> Domain:
+def domain_of(posture: Posture, leg: int, g: float, convergent: bool) -> Domain:
     """D_u of ``leg`` when the body goes g; ``convergent`` asks for method II as well."""
-    ux, uy, _ = nominal.path
-    x1, x2, y1, y2 = now = nominal.boxes[leg]
+    ux, uy, _ = posture.nominal.path
+    x1, x2, y1, y2 = now = posture.nominal.boxes[leg]
     dx = g * ux
     dy = g * uy
-    fx, fy = feet[FRONT_ACROSS[leg]]
+    fx, fy = posture.feet[FRONT_ACROSS[leg]]
+    exits = posture.exits
     hind = not IS_FRONT[leg]
     return Domain(
         leg,
@@ -112,44 +107,41 @@ def domain_of(
 
 
 def landings(
-    nominal: NominalGait,
-    posture: Posture,
-    domain: Domain,
-    exits: tuple[float, ...],
-    cells: FootholdMap,
-    trial: DecisionLog | None = None,
+    posture: Posture, domain: Domain, cells: FootholdMap, trial: DecisionLog | None = None
 ) -> Iterator[tuple[XY, Landing]]:
     """I_u and the footholds in D_u, in the order of H §5.5; the first is J_u. I_u itself comes
     exactly where its cell is free.
     """
-    start = search_start(nominal, posture, domain, exits, trial)
+    start = search_start(posture, domain, trial)
     if start is None:
         return
     ax, ay = posture.absolute(*start)
     if domain.refuses(*start) is None:
         if cells.allows(ax, ay):
-            yield start, Landing(start[0], start[1], ax, ay)
-        elif trial is not None:
+            yield start, Landing(*start, ax, ay)
+        else:
             note_cell(trial, ax, ay, StepRefusal.PROHIBITED)
-    for landing in cells_from(posture, domain, (ax, ay), cells, trial):
-        yield start, landing
+    course = posture.turned(domain.ux, domain.uy)
+    order = cells_across(cells, posture.around(domain.box), (ax, ay), course, trial is not None)
+    for ax, ay, free in order:
+        x, y = posture.canonical(ax, ay)
+        if domain.refuses(x, y) is not None:
+            continue
+        if free:
+            yield start, Landing(x, y, ax, ay)
+        else:
+            note_cell(trial, ax, ay, StepRefusal.PROHIBITED)
 
 
-def search_start(
-    nominal: NominalGait,
-    posture: Posture,
-    domain: Domain,
-    exits: tuple[float, ...],
-    trial: DecisionLog | None = None,
-) -> XY | None:
+def search_start(posture: Posture, domain: Domain, trial: DecisionLog | None = None) -> XY | None:
     """I_u: on the stroke line where it meets D_u, else the point of D_u nearest to the phase point;
     None where D_u is empty.
     """
-    cx, cy = nominal.centres[domain.leg]
-    low, high = stroke_in(nominal, domain)
-    phase = phase_point(nominal, exits, domain.leg)
+    cx, cy = posture.nominal.centres[domain.leg]
+    low, high = stroke_in(posture.nominal, domain)
+    phase = phase_point(posture, domain.leg)
     if low <= high:
-        ahead = _on_stroke(nominal, posture, domain.leg, phase, low, high)
+        ahead = _on_stroke(posture, domain.leg, phase, low, high)
         start: XY | None = (cx + ahead * domain.ux, cy + ahead * domain.uy)
     else:
         start = nearest_in(domain, cx + phase * domain.ux, cy + phase * domain.uy)
@@ -164,24 +156,24 @@ def search_start(
     return start
 
 
-def phase_point(nominal: NominalGait, exits: tuple[float, ...], leg: int) -> float:
+def phase_point(posture: Posture, leg: int) -> float:
     """Where on its stroke the phase-maintaining method puts u, as a distance along the path ahead
     of C_u (H §5.4, table 2).
 
     There u leaves its stroke later than u* by exactly the nominal phase difference.
     """
+    nominal = posture.nominal
     before = nominal.order.predecessor[leg]
-    return exits[before] - nominal.spares[before] + nominal.lags[leg] - nominal.ends[leg]
+    return posture.exits[before] - nominal.spares[before] + nominal.lags[leg] - nominal.ends[leg]
 
 
-def _on_stroke(
-    nominal: NominalGait, posture: Posture, leg: int, phase: float, low: float, high: float
-) -> float:
+def _on_stroke(posture: Posture, leg: int, phase: float, low: float, high: float) -> float:
     """I_u on the stroke line: the nearer of the two phase points if it is in D_u, else the farther,
     else the most forward in D_u.
     """
     if low - NEAR <= phase <= high + NEAR:
         return phase
+    nominal = posture.nominal
     ux, uy, _ = nominal.path
     before = PREDECESSOR[leg]
     fx, fy = posture.feet[before]
@@ -254,73 +246,3 @@ def corners_of(domain: Domain) -> list[XY]:
                     sign * bound * domain.f_across,
                 )
     return corners
-
-
-def cells_from(
-    posture: Posture,
-    domain: Domain,
-    start: XY,
-    cells: FootholdMap,
-    trial: DecisionLog | None = None,
-) -> Iterator[Landing]:
-    """Centres of the free cells in D_u in the order of H §5.5.
-
-    A row lies across the course: sideways from I_u first, which keeps the phase; then the rows
-    behind and ahead in turn, each from the cell on the stroke line. The map's axis nearest to the
-    course plays the part of "ahead".
-    """
-    forbidden, _, columns, cell, ox, oy = cells
-    lengthwise, ahead, beside, a0, b0, slope, forward = _rows(posture, domain, start, cells)
-    if ahead[0] > ahead[1] or beside[0] > beside[1]:
-        return
-    c = posture.c
-    s = posture.s
-    refuses = domain.refuses
-    first = math.floor(a0)
-    for row in outward(first, *ahead, -forward):
-        middle = math.floor(b0 if row == first else b0 + slope * (row + 0.5 - a0))
-        for place in outward(middle, *beside, 1):
-            column, line = (row, place) if lengthwise else (place, row)
-            prohibited = forbidden[line * columns + column]
-            if prohibited and trial is None:
-                continue
-            ax = ox + (column + 0.5) * cell
-            ay = oy + (line + 0.5) * cell
-            dx = ax - posture.x
-            dy = ay - posture.y
-            px = c * dx + s * dy
-            py = c * dy - s * dx
-            if refuses(px, py) is not None:
-                continue
-            if prohibited:
-                note_cell(trial, ax, ay, StepRefusal.PROHIBITED)
-                continue
-            yield Landing(px, py, ax, ay)
-
-
-# The rows of cells across a course, counted along the map's axis nearest to it: whether that axis
-# is x; first and last row; first and last cell of a row; the search start in cells, along the axis
-# and across it; cells of the course across for each along; its direction along the axis, 1 or -1.
-CellRows = tuple[bool, tuple[int, int], tuple[int, int], float, float, float, int]
-
-
-def _rows(posture: Posture, domain: Domain, start: XY, cells: FootholdMap) -> CellRows:
-    _, rows, columns, cell, ox, oy = cells
-    c = posture.c
-    s = posture.s
-    x1, x2, y1, y2 = domain.box
-    mx, my = posture.absolute((x1 + x2) / 2, (y1 + y2) / 2)
-    hx = (x2 - x1) / 2
-    hy = (y2 - y1) / 2
-    half_x = abs(c) * hx + abs(s) * hy
-    half_y = abs(s) * hx + abs(c) * hy
-    along_x = span_of(mx - half_x, mx + half_x, ox, cell, columns)
-    along_y = span_of(my - half_y, my + half_y, oy, cell, rows)
-    # the course in the absolute frame
-    vx = c * domain.ux - s * domain.uy
-    vy = s * domain.ux + c * domain.uy
-    a0 = (start[0] - ox) / cell
-    b0 = (start[1] - oy) / cell
-    if abs(vx) >= abs(vy):
-        return True, along_x, along_y, a0, b0, vy / vx, 1 if vx > 0.0 else -1
-    return False, along_y, along_x, b0, a0, vx / vy, 1 if vy > 0.0 else -1

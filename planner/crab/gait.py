@@ -13,22 +13,23 @@ triangle in turn: on the spot the legs go round one after the other, on a wide a
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import lru_cache
-from itertools import permutations
-from typing import NamedTuple
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 
-from ..geometry.paths import ArcPath, Box, arc_exit
-from ..geometry.transforms import XY, direction, left_fold_sum
+from ..geometry.paths import ArcPath, Box, arc_exit, line_exit
+from ..geometry.transforms import XY, direction
+from ..initial_stance import HeightAt, standing
+from ..motion.leg_order import LegOrder, order_on, standard_order
 from ..motion.strides import (
+    Strokes,
+    centres_of,
     critical_angle,
     mechanical_boxes,
     planning_boxes,
     stroke_length,
+    strokes_on,
 )
 from ..robot.model import Machine
-from ..stability import polygon_margin, support_polygon
 from ..types import Gait, Stance
 
 QUARTER = math.pi / 2
@@ -38,55 +39,19 @@ HYSTERESIS = 0.009
 # rad; the course keeps this far from α_c, where the CoG would pass over a foot and no triangle can
 # be entered
 TIE = 0.001
+# m a foot may stand outside its reach on an arc when it touches early, at mid-descent (H §4.5)
+EARLY = 0.02
 AGREEMENT = 0.05  # of λ*; two legs standing closer than this to the nominal layout agree with it
 
-# Leg roles in the gait frame, 0-based. The walk on a line goes 1-3-4-2 in H's numbers: a hind leg,
-# then the front leg of its side.
-SUCCESSOR = (2, 0, 3, 1)
-PREDECESSOR = (1, 3, 0, 2)  # u* of H table 2
 IS_FRONT = (True, False, False, True)
 IS_LEFT = (True, True, False, False)
-OTHERS = ((1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2))  # the legs that stay
 FRONT_ACROSS = (3, 3, 0, 0)  # f̄, the front leg on the other side
 REAR_ACROSS = (2, 2, 1, 1)  # r̄
 MATES = (3, 2, 1, 0)  # the other leg of the fore pair or of the hind pair
 SAME_SIDE = (1, 0, 3, 2)
 BODY_LEGS = ((0, 1, 2, 3), (1, 2, 3, 0), (2, 3, 0, 1), (3, 0, 1, 2))  # by n, gait leg -> body leg
 
-STROKE_MAX = 1.0  # m of s on an arc; on a circle about itself a foot would never leave its reach
-SHARES = (  # of the four-leg time, in quarters, before each swing
-    (1, 1, 1, 1),
-    (2, 0, 2, 0),
-    (0, 2, 0, 2),
-    (4, 0, 0, 0),
-    (0, 4, 0, 0),
-    (0, 0, 4, 0),
-    (0, 0, 0, 4),
-)
-LOOKS = (0.0, 0.5, 1.0)  # of a swing, at which the margin is looked at
-GRAIN = math.radians(5.0)  # arcs this alike share order and phases
-
 LegPair = tuple[int, int, float, float]  # legs i, j and the nominal displacement from j to i
-
-
-class LegOrder(NamedTuple):
-    """Who swings after whom, when each leg lands, and the least margin this leaves."""
-
-    successor: tuple[int, ...]
-    predecessor: tuple[int, ...]  # u*
-    landed: tuple[float, ...]  # [leg], cycles
-    margin: (
-        float  # m: longitudinal (s0) on a line, of the polygon on an arc; negative: it must shift
-    )
-
-
-class Strokes(NamedTuple):
-    """The stretch of the path every leg can stay on the ground for, lengths in m of s."""
-
-    centres: tuple[XY, ...]  # C_i
-    ends: tuple[float, ...]  # from C_i to the end of the stroke
-    spares: tuple[float, ...]  # from there to the end of the reach
-    length: float  # λ*
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -135,17 +100,34 @@ class NominalGait:
         return self.lags[leg]
 
 
-class Posture(NamedTuple):
-    """The machine seen from above at N_k: where the CoG is, how the gait frame lies, where the feet
-    are in it.
-    """
+@dataclass(frozen=True, eq=False)
+class Posture:
+    """The machine seen from above at N_k in the gait frame of its nominal walk, m."""
 
-    x: float
+    nominal: NominalGait
+    x: float  # the CoG in the absolute frame
     y: float
     c: float  # cosine and sine of the gait frame's heading in the absolute frame
     s: float
     feet: tuple[XY, ...]  # legs of the gait frame, relative to the CoG
     last: int  # leg that swung last, -1 for none
+
+    @cached_property
+    def exits(self) -> tuple[float, ...]:
+        """g_i of every leg: how far the body may go before leg i leaves its reach, never less than
+        0 (H §5.2 (4)-(10)).
+        """
+        path = self.nominal.path
+        reach = zip(self.feet, self.nominal.boxes, strict=True)
+        if path.turn != 0.0:
+            return tuple([arc_exit(fx, fy, box, path, EARLY) for (fx, fy), box in reach])
+        ux, uy, _ = path
+        exits = [line_exit(fx, fy, box, ux, uy) for (fx, fy), box in reach]
+        return tuple([exit_ if exit_ > 0.0 else 0.0 for exit_ in exits])
+
+    def turned(self, dx: float, dy: float) -> XY:
+        """A vector of the gait frame in the absolute one."""
+        return self.c * dx - self.s * dy, self.s * dx + self.c * dy
 
     def absolute(self, px: float, py: float) -> XY:
         """A point of the gait frame in the absolute one."""
@@ -157,19 +139,25 @@ class Posture(NamedTuple):
         dy = ay - self.y
         return self.c * dx + self.s * dy, self.c * dy - self.s * dx
 
+    def around(self, box: Box) -> Box:
+        """The upright box in the absolute frame around one of the gait frame."""
+        x1, x2, y1, y2 = box
+        mx, my = self.absolute((x1 + x2) / 2, (y1 + y2) / 2)
+        hx, hy = (x2 - x1) / 2, (y2 - y1) / 2
+        c, s = abs(self.c), abs(self.s)
+        half_x = c * hx + s * hy
+        half_y = s * hx + c * hy
+        return mx - half_x, mx + half_x, my - half_y, my + half_y
+
 
 def posture_of(nominal: NominalGait, stance: Stance) -> Posture:
     """A stance in the gait frame of ``nominal``."""
+    n = nominal.quarter_turns
     x, y, _, yaw = stance.body
-    c, s = quarter_turned(*direction(yaw), nominal.quarter_turns)
-    seen = []
-    for leg in nominal.body_leg:
-        px, py, _ = stance.feet[leg]
-        dx = px - x
-        dy = py - y
-        seen.append((c * dx + s * dy, c * dy - s * dx))
+    bare = Posture(nominal, x, y, *quarter_turned(*direction(yaw), n), (), -1)
+    feet = tuple(bare.canonical(*stance.feet[leg][:2]) for leg in nominal.body_leg)
     last = stance.last_swing
-    return Posture(x, y, c, s, tuple(seen), (last - nominal.quarter_turns) % 4 if last >= 0 else -1)
+    return replace(bare, feet=feet, last=(last - n) % 4 if last >= 0 else -1)
 
 
 def quarter_turned(x: float, y: float, n: int) -> XY:
@@ -250,7 +238,7 @@ def _on_line(
         (n, crab_angle + (alpha - asked)),
         duty_factor,
         (boxes, mechanical_boxes(machine, n)),
-        Strokes(_centres(boxes), (stride / 2,) * 4, (0.0,) * 4, stride),
+        Strokes(centres_of(boxes), (stride / 2,) * 4, (0.0,) * 4, stride),
         standard_order(stride, duty_factor),
     )
 
@@ -264,7 +252,7 @@ def _on_arc(machine: Machine, duty_factor: float, path: ArcPath, course: float) 
         duty_factor,
         (boxes, mechanical_boxes(machine, 0)),
         strokes_on(boxes, path),
-        best_order(machine, duty_factor, *_coarse(machine, path)),
+        order_on(machine, duty_factor, path),
     )
 
 
@@ -324,124 +312,6 @@ def _pairs(
     return pair(across, MATES[across]), pair(across, SAME_SIDE[across])
 
 
-# strokes
-
-
-def strokes_on(boxes: Sequence[Box], path: ArcPath) -> Strokes:
-    """C_i and, on circles about the turning centre, the stroke the legs share: that of the leg
-    which has least. On a line it is H's (``stroke_length``).
-    """
-    back = path.reversed()
-    centres = _centres(boxes)
-    ahead = [arc_exit(x, y, box, path) for (x, y), box in zip(centres, boxes, strict=True)]
-    behind = [arc_exit(x, y, box, back) for (x, y), box in zip(centres, boxes, strict=True)]
-    stride = min(STROKE_MAX, *(a + b for a, b in zip(ahead, behind, strict=True)))
-    ends = tuple(
-        ((a - b if a < math.inf else 0.0) + stride) / 2 for a, b in zip(ahead, behind, strict=True)
-    )
-    spares = tuple(
-        leave - end if leave < math.inf else 0.0 for leave, end in zip(ahead, ends, strict=True)
-    )
-    return Strokes(centres, ends, spares, stride)
-
-
-def _centres(boxes: Sequence[Box]) -> tuple[XY, ...]:
-    return tuple(((x1 + x2) / 2, (y1 + y2) / 2) for x1, x2, y1, y2 in boxes)
-
-
-# the order of the legs
-
-
-def standard_margin(stride: float, duty_factor: float) -> float:
-    """s0, the least longitudinal margin of the standard walk; zero at β = 3/4 by design."""
-    return (1.0 - 3.0 / (4.0 * duty_factor)) * stride  # H §4.3 (3)
-
-
-def standard_order(stride: float, duty_factor: float) -> LegOrder:
-    """H's order on a line: 1-3-4-2."""
-    margin = standard_margin(stride, duty_factor)
-    return LegOrder(SUCCESSOR, PREDECESSOR, touchdown_phases(duty_factor), margin)
-
-
-def touchdown_phases(duty_factor: float) -> tuple[float, float, float, float]:
-    """When each leg of the gait frame lands on a line, in cycles: leg 1 (H) 0, leg 3 β-1/2, leg 4
-    1/2, leg 2 β (H fig. 5).
-    """
-    return 0.0, duty_factor, duty_factor - 0.5, 0.5
-
-
-def _coarse(machine: Machine, path: ArcPath) -> tuple[int, int]:
-    """The path as two whole numbers of ``GRAIN``: its direction, and how much of it is turning
-    (positive to the left).
-    """
-    ahead = math.hypot(path.ux, path.uy)
-    turning = round(math.atan2(machine.yaw_length * path.turn, ahead) / GRAIN)
-    return (round(math.atan2(path.uy, path.ux) / GRAIN) if ahead > 1e-9 else 0), turning
-
-
-@lru_cache(maxsize=2048)
-def best_order(machine: Machine, duty_factor: float, course: int, turning: int) -> LegOrder:
-    """The order and phases with the largest least polygon margin, of all six orders and every
-    spread of the four-leg time; ``course`` and ``turning`` count ``GRAIN``.
-    """
-    ahead, aside = direction(turning * GRAIN)
-    ux, uy = direction(course * GRAIN)
-    path = ArcPath(ahead * ux, ahead * uy, aside / machine.yaw_length)
-    strokes = strokes_on(planning_boxes(machine, 0, stretched=False), path)
-    best: tuple[int, ...] = ()
-    best_landed: tuple[float, ...] = ()
-    largest = -math.inf
-    for rest in permutations((1, 2, 3)):
-        legs = (0, *rest)
-        for shares in SHARES:
-            landed = _landed(legs, shares, duty_factor)
-            margin = _least_margin(path, strokes, duty_factor, landed, largest)
-            if margin > largest + 1e-9:
-                best, best_landed, largest = legs, landed, margin
-    return _order_of(best, best_landed, largest)
-
-
-def _order_of(legs: tuple[int, ...], landed: tuple[float, ...], margin: float) -> LegOrder:
-    successor = [0] * 4
-    predecessor = [0] * 4
-    for leg, following in zip(legs, legs[1:] + legs[:1], strict=True):
-        successor[leg] = following
-        predecessor[following] = leg
-    return LegOrder(tuple(successor), tuple(predecessor), landed, margin)
-
-
-def _landed(
-    legs: tuple[int, ...], shares: tuple[int, ...], duty_factor: float
-) -> tuple[float, ...]:
-    """When each leg lands if they swing in this order with so much four-leg time before each."""
-    spare = (4.0 * duty_factor - 3.0) / 4.0
-    landed = [0.0] * 4
-    t = 0.0
-    for leg, part in zip(legs, shares, strict=True):
-        landed[leg] = t
-        t += 1.0 - duty_factor + part * spare
-    return tuple(landed)
-
-
-def _least_margin(
-    path: ArcPath, strokes: Strokes, duty_factor: float, landed: tuple[float, ...], enough: float
-) -> float:
-    """Least polygon margin over a cycle; gives up once it is no better than ``enough``."""
-    centres, ends, _, stride = strokes
-    least = math.inf
-    for leg in range(4):
-        for look in LOOKS:
-            now = landed[leg] - (1.0 - duty_factor) * (1.0 - look)
-            feet = []
-            for i in OTHERS[leg]:
-                left = stride * (1.0 - ((now - landed[i]) % 1.0) / duty_factor)
-                feet.append(path.seen(*centres[i], ends[i] - left))
-            least = min(least, polygon_margin(support_polygon(feet), 0.0, 0.0))
-            if least <= enough:
-                return least
-    return least
-
-
 # the standard posture
 
 
@@ -452,34 +322,23 @@ def standard_stance(
     x: float,
     y: float,
     yaw: float,
-    height_at: Callable[[float, float], float],
+    height_at: HeightAt,
 ) -> Stance:
     """The standard posture: the standard layout at the switching point where canonical leg 3 of H
-    swings next.
-
-    Feet stand on the ground (on the mean of the others over a hole), the body at mean foot height +
-    H. Standing on four C_i instead, the paper's rules mostly end in a limit cycle.
+    swings next. Standing on four C_i instead, the paper's rules mostly end in a limit cycle.
     """
     nominal = nominal_gait(machine, gait, crab_angle)
     swing = 2
     ux, uy, _ = nominal.path
-    c, s = quarter_turned(*direction(yaw), nominal.quarter_turns)
-    frame = Posture(x, y, c, s, (), -1)
+    heading = quarter_turned(*direction(yaw), nominal.quarter_turns)
+    frame = Posture(nominal, x, y, *heading, (), -1)
     places: list[XY] = [(0.0, 0.0)] * 4
     layout = zip(nominal.body_leg, nominal.centres, nominal.layout_before(swing), strict=True)
     for leg, (cx, cy), ahead in layout:
         places[leg] = frame.absolute(cx + ahead * ux, cy + ahead * uy)
-    heights = [height_at(px, py) for px, py in places]
-    solid = [h for h in heights if h == h]
-    ground = left_fold_sum(solid) / len(solid) if solid else 0.0
-    feet = tuple(
-        (px, py, h if h == h else ground) for (px, py), h in zip(places, heights, strict=True)
-    )
-    low, high = machine.z_range
-    highest = min(foot[2] for foot in feet) - low
-    z = min(max(ground + gait.height, max(foot[2] for foot in feet) - high), highest)
+    stance = standing(machine, gait, (x, y, yaw), places, height_at)
     last = nominal.body_leg[nominal.order.predecessor[swing]]
-    return Stance((x, y, z, yaw), feet, last_swing=last, quarter_turns=nominal.quarter_turns)
+    return replace(stance, last_swing=last, quarter_turns=nominal.quarter_turns)
 
 
 def off_standard(machine: Machine, gait: Gait, crab_angle: float, stance: Stance) -> float:

@@ -9,18 +9,19 @@ leg on any path: what the searches of ``candidates`` and ``turning`` go by.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import chain
 
-from ..geometry.paths import arc_exit, line_exit
+from ..geometry.paths import ArcPath
 from ..geometry.polygons import Polygon
 from ..geometry.transforms import direction
+from ..motion.leg_order import OTHERS, SUCCESSOR
 from ..stability import stable_interval, stable_on_arc, support_polygon
 from ..terrain.cells import FootholdMap
 from .decision_log import DecisionLog, StepRefusal, note_cell, note_leg, note_reason
 from .foothold_search import domain_of, landings
-from .gait import AGREEMENT, IS_FRONT, OTHERS, SUCCESSOR, NominalGait, Posture
-from .steps import BodyShift, Exits, Landing, Shift, SwingStep
+from .gait import AGREEMENT, IS_FRONT, Posture
+from .steps import BodyShift, Landing, Shift, SwingStep
 
 # looked up once: members of an Enum are found slowly
 MISSES = StepRefusal.MISSES
@@ -28,54 +29,39 @@ LEFT = StepRefusal.LEFT
 NOT_YET = StepRefusal.NOT_YET
 TOO_LATE = StepRefusal.TOO_LATE
 STANDING_LEG = StepRefusal.STANDING_LEG
-NO_FOOTHOLD = StepRefusal.NO_FOOTHOLD
 
 STILL = 1e-6  # m; less than this is no motion
 # m; a CoG this far outside an edge still counts as inside (a margin counts from -1 mm)
 SLACK = 0.0005
-# m a foot may stand outside its reach on an arc when it touches early, at mid-descent (H §4.5)
-EARLY = 0.02
 
 Accepts = Callable[[Shift, Landing], StepRefusal | None]
+LegShift = tuple[int, Shift | StepRefusal]
 
 
-def after(nominal: NominalGait, posture: Posture, step: SwingStep) -> Posture:
+def after(posture: Posture, step: SwingStep) -> Posture:
     """The posture at N_{k+1}: the cheap roll-out of one step."""
-    dx, dy, turn = nominal.path.pose(step.g)
+    dx, dy, turn = posture.nominal.path.pose(step.g)
     x, y = posture.absolute(dx, dy)
+    heading = posture.c, posture.s
     feet = [(fx - dx, fy - dy) for fx, fy in posture.feet]
     feet[step.leg] = step.landing.x - dx, step.landing.y - dy
-    if turn == 0.0:
-        return Posture(x, y, posture.c, posture.s, tuple(feet), step.leg)
-    c, s = direction(turn)
-    feet = [(c * fx + s * fy, c * fy - s * fx) for fx, fy in feet]
-    heading = posture.c * c - posture.s * s, posture.s * c + posture.c * s
-    return Posture(x, y, *heading, tuple(feet), step.leg)
+    if turn != 0.0:
+        c, s = direction(turn)
+        feet = [(c * fx + s * fy, c * fy - s * fx) for fx, fy in feet]
+        heading = posture.c * c - posture.s * s, posture.s * c + posture.c * s
+    return Posture(posture.nominal, x, y, *heading, tuple(feet), step.leg)
 
 
 def shifted(posture: Posture, shift: BodyShift) -> Posture:
     """The posture after a four-leg shift."""
     x, y = posture.absolute(shift.x, shift.y)
     feet = tuple((fx - shift.x, fy - shift.y) for fx, fy in posture.feet)
-    return posture._replace(x=x, y=y, feet=feet)
+    return Posture(posture.nominal, x, y, posture.c, posture.s, feet, posture.last)
 
 
-def exits_of(nominal: NominalGait, posture: Posture) -> Exits:
-    """g_i of every leg: how far the body may go before leg i leaves its reach, never less than 0 (H
-    §5.2 (4)-(10)).
-    """
-    path = nominal.path
-    reach = zip(posture.feet, nominal.boxes, strict=True)
-    if path.turn != 0.0:
-        return tuple([arc_exit(fx, fy, box, path, EARLY) for (fx, fy), box in reach])
-    ux, uy, _ = path
-    exits = [line_exit(fx, fy, box, ux, uy) for (fx, fy), box in reach]
-    return tuple([exit_ if exit_ > 0.0 else 0.0 for exit_ in exits])
-
-
-def stable_on(nominal: NominalGait, polygon: Polygon, inset: float = 0.0) -> tuple[float, float]:
+def stable_on(path: ArcPath, polygon: Polygon, inset: float = 0.0) -> tuple[float, float]:
     """The s over which the CoG is inside a polygon along the path, by ``inset`` from every edge."""
-    ux, uy, turn = nominal.path
+    ux, uy, turn = path
     if turn == 0.0 and inset == 0.0:
         return stable_interval(polygon, 0.0, 0.0, ux, uy)
     return stable_on_arc(polygon, ux, uy, turn, inset)
@@ -88,20 +74,15 @@ def triangle_of(posture: Posture, leg: int) -> Polygon:
     return support_polygon((feet[i], feet[j], feet[k]))
 
 
-def shift_of(
-    nominal: NominalGait,
-    posture: Posture,
-    exits: Exits,
-    leg: int,
-    margin: float | None = None,
-) -> Shift | StepRefusal:
+def shift_of(posture: Posture, leg: int, margin: float | None = None) -> Shift | StepRefusal:
     """g0 and g when ``leg`` swings by the paper's rules, or why it cannot. ``margin`` replaces s0
     (a lookahead tries smaller ones).
     """
+    nominal = posture.nominal
+    exits = posture.exits
     i, j, k = OTHERS[leg]
-    feet = posture.feet
     s0 = nominal.order.margin if margin is None else margin
-    low, high = stable_on(nominal, support_polygon((feet[i], feet[j], feet[k])))
+    low, high = stable_on(nominal.path, triangle_of(posture, leg))
     if low > high:
         return MISSES
     if high < -SLACK:
@@ -120,12 +101,7 @@ def shift_of(
 
 
 def free_shift(
-    nominal: NominalGait,
-    posture: Posture,
-    exits: Exits,
-    leg: int,
-    margin: float = 0.0,
-    inset: float = 0.0,
+    posture: Posture, leg: int, margin: float = 0.0, inset: float = 0.0
 ) -> Shift | StepRefusal:
     """As ``shift_of`` for a leg of any place on any path: on four legs into the triangle, then on
     as far as it carries and every standing leg reaches.
@@ -133,8 +109,9 @@ def free_shift(
     ``margin`` is kept along the path from both ends of the stretch in the triangle (less where that
     is short), ``inset`` square to the triangle's edges.
     """
+    exits = posture.exits
     i, j, k = OTHERS[leg]
-    low, high = stable_on(nominal, triangle_of(posture, leg), inset)
+    low, high = stable_on(posture.nominal.path, triangle_of(posture, leg), inset)
     if low > high:
         return MISSES
     if high < 0.0:
@@ -148,67 +125,53 @@ def free_shift(
     return Shift(leg, g0, max(g0, min(g_max, high - margin)), low, high, inset)
 
 
-def leg_order(
-    nominal: NominalGait, posture: Posture, exits: Exits
-) -> list[tuple[int, Shift | StepRefusal]]:
+def leg_order(posture: Posture) -> list[LegShift]:
     """Legs in the order they are to be tried, with their shifts (H §5.1, fig. 9 as reconstructed).
 
     First legs whose removal leaves pairs of feet standing as in the nominal walk, more agreeing
     pairs first and the nominal successor winning a tie; then the longest return. A leg that cannot
     swing falls to the back.
     """
-    ranked = []
     successor = SUCCESSOR[posture.last] if posture.last >= 0 else -1
-    for leg in range(4):
-        if leg == posture.last:
-            continue
-        shift = shift_of(nominal, posture, exits, leg)
-        agreeing = agreeing_pairs(nominal, posture, leg)
-        rank = (
-            isinstance(shift, StepRefusal),
-            -agreeing,
-            not (agreeing and leg == successor),
-            -return_length(nominal, posture, leg),
-        )
-        ranked.append((rank, leg, shift))
-    ranked.sort(key=_rank)
-    return [(leg, shift) for _, leg, shift in ranked]
+
+    def rank(entry: LegShift) -> tuple[bool, int, bool, float]:
+        leg, shift = entry
+        agreeing = agreeing_pairs(posture, leg)
+        second = not (agreeing and leg == successor)
+        return isinstance(shift, StepRefusal), -agreeing, second, -return_length(posture, leg)
+
+    return sorted(((u, shift_of(posture, u)) for u in range(4) if u != posture.last), key=rank)
 
 
-def _rank(
-    entry: tuple[tuple[bool, int, bool, float], int, Shift | StepRefusal],
-) -> tuple[bool, int, bool, float]:
-    return entry[0]
-
-
-def agreeing_pairs(nominal: NominalGait, posture: Posture, leg: int) -> int:
+def agreeing_pairs(posture: Posture, leg: int) -> int:
     """How many of the two pairs that stay stand to each other as in the layout in which ``leg``
     swings next.
     """
-    near = AGREEMENT * nominal.stride
+    near = AGREEMENT * posture.nominal.stride
     feet = posture.feet
     count = 0
-    for i, j, dx, dy in nominal.pairs[leg]:
+    for i, j, dx, dy in posture.nominal.pairs[leg]:
         (ix, iy), (jx, jy) = feet[i], feet[j]
         if abs(ix - jx - dx) <= near and abs(iy - jy - dy) <= near:
             count += 1
     return count
 
 
-def return_length(nominal: NominalGait, posture: Posture, leg: int) -> float:
+def return_length(posture: Posture, leg: int) -> float:
     """ΔU: along the course, from the foot to the forward end of its stroke."""
+    nominal = posture.nominal
     ux, uy, _ = nominal.path
     (cx, cy), (fx, fy) = nominal.centres[leg], posture.feet[leg]
     return (cx - fx) * ux + (cy - fy) * uy + (nominal.stride - nominal.ends[leg])
 
 
-def planned_margin(nominal: NominalGait, posture: Posture, shift: Shift) -> float:
+def planned_margin(posture: Posture, shift: Shift) -> float:
     """Least longitudinal margin of the whole step against the feet that carry in each phase (H
     §2.4).
     """
     margin = min(shift.g0 - shift.low, shift.high - shift.g)
     if shift.g0 > 0.0:
-        low, high = stable_on(nominal, support_polygon(posture.feet))
+        low, high = stable_on(posture.nominal.path, support_polygon(posture.feet))
         margin = min(margin, -low, high - shift.g0)
     return margin
 
@@ -224,7 +187,6 @@ def body_shift_to(posture: Posture, x: float, y: float) -> BodyShift:
 
 
 def decide(
-    nominal: NominalGait,
     posture: Posture,
     cells: FootholdMap,
     accepts: Accepts | None = None,
@@ -236,41 +198,36 @@ def decide(
     ``accepts`` may refuse a foothold for reasons that are not of the plane (height). ``log``
     collects what was tried.
     """
-    exits = exits_of(nominal, posture)
-    for leg, shift in chain(
-        leg_order(nominal, posture, exits), _once_more(nominal, posture, exits)
-    ):
-        trial = None if log is None else _noted(log, nominal, posture, leg, shift)
+    for leg, shift in chain(leg_order(posture), _once_more(posture)):
+        trial = None if log is None else _noted(log, posture, leg, shift)
         if isinstance(shift, StepRefusal):
             continue
-        step = foothold_step(nominal, posture, exits, shift, cells, accepts, trial)
+        step = next(steps_to(posture, shift, cells, accepts, trial), None)
         if step is None:
-            note_reason(trial, NO_FOOTHOLD)
-        elif changes_nothing(posture, step):
+            note_reason(trial, StepRefusal.NO_FOOTHOLD)
+        elif changes_nothing(posture, step, step.landing):
             note_reason(trial, StepRefusal.NOTHING)
         else:
             return step
     return None
 
 
-def _once_more(
-    nominal: NominalGait, posture: Posture, exits: Exits
-) -> Iterator[tuple[int, Shift | StepRefusal]]:
+def _once_more(posture: Posture) -> Iterator[LegShift]:
     """The leg that swung last, for when no other helps: what H reaches by a step of another leg
     that changes nothing.
     """
     if posture.last >= 0:
-        yield posture.last, shift_of(nominal, posture, exits, posture.last)
+        yield posture.last, shift_of(posture, posture.last)
 
 
 def _noted(
-    log: DecisionLog, nominal: NominalGait, posture: Posture, leg: int, shift: Shift | StepRefusal
+    log: DecisionLog, posture: Posture, leg: int, shift: Shift | StepRefusal
 ) -> DecisionLog | None:
     trial = note_leg(
         log,
-        nominal.body_leg[leg],
-        agreeing_pairs=agreeing_pairs(nominal, posture, leg),
-        return_length=return_length(nominal, posture, leg),
+        posture.nominal.body_leg[leg],
+        agreeing_pairs=agreeing_pairs(posture, leg),
+        return_length=return_length(posture, leg),
     )
     if isinstance(shift, StepRefusal):
         note_reason(trial, shift)
@@ -279,49 +236,44 @@ def _noted(
     return trial
 
 
-def foothold_step(
-    nominal: NominalGait,
+def steps_to(
     posture: Posture,
-    exits: Exits,
     shift: Shift,
     cells: FootholdMap,
     accepts: Accepts | None = None,
     trial: DecisionLog | None = None,
-) -> SwingStep | None:
-    """The step of one leg to its J_u: D_u with method II first, then without it; None when D_u has
-    no foothold.
+) -> Iterator[SwingStep]:
+    """Every step of one leg with one shift, to its footholds in the order of H §5.5, those of D_u
+    with method II first; the first one is the paper's, others are a lookahead's.
     """
+    margin = planned_margin(posture, shift)
     for convergent in (True,) if IS_FRONT[shift.leg] else (True, False):
-        for step in steps_to(nominal, posture, exits, shift, cells, convergent, trial):
-            refusal = accepts(shift, step.landing) if accepts is not None else None
-            if refusal is None:
-                return step
-            if trial is None and refusal is STANDING_LEG:
-                return None
-            note_cell(trial, step.landing.ax, step.landing.ay, refusal)
-    return None
+        domain = domain_of(posture, shift.leg, shift.g, convergent)
+        steps = (
+            SwingStep(shift.leg, shift.g0, shift.g, start, landing, margin, convergent)
+            for start, landing in landings(posture, domain, cells, trial)
+        )
+        yield from allowed(steps, shift, accepts, trial)
 
 
-def steps_to(
-    nominal: NominalGait,
-    posture: Posture,
-    exits: Exits,
+def allowed(
+    steps: Iterable[SwingStep],
     shift: Shift,
-    cells: FootholdMap,
-    convergent: bool = True,
+    accepts: Accepts | None,
     trial: DecisionLog | None = None,
 ) -> Iterator[SwingStep]:
-    """Every step of one leg with one shift, to its footholds in the order of H §5.5: what a
-    lookahead picks candidates from.
-    """
-    leg = shift.leg
-    margin = planned_margin(nominal, posture, shift)
-    domain = domain_of(nominal, posture.feet, exits, leg, shift.g, convergent)
-    for start, landing in landings(nominal, posture, domain, exits, cells, trial):
-        yield SwingStep(leg, shift.g0, shift.g, start, landing, margin, convergent)
+    """The steps with one shift whose footholds heights allow."""
+    for step in steps:
+        refusal = accepts(shift, step.landing) if accepts is not None else None
+        if refusal is None:
+            yield step
+        elif trial is not None:
+            note_cell(trial, step.landing.ax, step.landing.ay, refusal)
+        elif refusal is STANDING_LEG:
+            return
 
 
-def changes_nothing(posture: Posture, step: SwingStep) -> bool:
+def changes_nothing(posture: Posture, step: Shift | SwingStep, landing: Landing) -> bool:
     """True when the body would stay and the foot come down where it stands.
 
     Not taking such steps is ours, not H's: with them, two legs take turns on the spot for ever (a
@@ -330,4 +282,4 @@ def changes_nothing(posture: Posture, step: SwingStep) -> bool:
     if step.g > STILL:
         return False
     fx, fy = posture.feet[step.leg]
-    return abs(step.landing.x - fx) <= STILL and abs(step.landing.y - fy) <= STILL
+    return abs(landing.x - fx) <= STILL and abs(landing.y - fy) <= STILL

@@ -10,11 +10,11 @@ that does not get on, any foothold in reach and four-leg shifts; then ``recovery
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Generator, Iterable, Iterator
 from itertools import chain
 from typing import NamedTuple
 
+from ..motion.leg_order import SUCCESSOR
 from ..search import Branch, Found, Option, Search, beam, firsts, ranked, rollouts
 from .candidates import (
     SMALL,
@@ -26,8 +26,8 @@ from .candidates import (
     wide_steps,
 )
 from .foothold_search import NEAR
-from .gait import AGREEMENT, SUCCESSOR, NominalGait, Posture
-from .leg_selection import SLACK, decide
+from .gait import AGREEMENT, NominalGait, Posture
+from .leg_selection import SLACK
 from .steps import Candidate, SwingStep
 
 # steps the beam looks ahead, and how many ways it follows; narrower and it dies on 80 % prohibited
@@ -48,6 +48,7 @@ GLANCE_WEIGHT = 0.5  # of the value of the posture reached, in the ranking of fi
 STUCK = 0.1  # of the standard step; slower is no walk
 LOWER = 0.001  # m below s0 that still counts as the standard margin
 
+Ways = Found[Node, Candidate]
 Branches = list[Branch[Node, Candidate]]
 StepSearch = Search[Node, Candidate]
 Gain = Callable[[Candidate], float]
@@ -105,7 +106,7 @@ def best_of(context: SearchContext) -> ResultJob:
     return SearchResult(best.search, [*best.ways, *other.ways], best.horizon)
 
 
-def _result(search: str, found: Found[Node, Candidate], horizon: int) -> SearchResult:
+def _result(search: str, found: Ways, horizon: int) -> SearchResult:
     """A search's result; one cut short is measured by the steps it came to."""
     if found.finished:
         return SearchResult(search, found.ways, horizon)
@@ -124,26 +125,21 @@ def _back_to_standard(context: SearchContext) -> StepSearch:
     gain = gain_with(context, OPEN_MARGIN_WEIGHT)
     near = near_steps(context, start, (s0, min(SMALL, s0)), 3)
     first = _options(context, start, chain(near, any_steps(context, start)), gain)
-    return (yield from rollouts(first, policy_with(context, gain), BACK_STEPS))
+    return (yield from rollouts(_each_first(first), policy_with(context, gain), BACK_STEPS))
 
 
 def look_near(context: SearchContext) -> StepSearch:
     """Broken ground: steps near the paper's, several deep; what the footholds still hold is worth
     as much as way made.
     """
-    nominal = context.nominal
     gain = gain_with(context, MARGIN_WEIGHT)
-    least = min(SMALL, nominal.margin)
+    least = min(SMALL, context.nominal.margin)
 
     def options(node: Node, depth: int) -> Iterator[Option[Node, Candidate]]:
-        margins = (nominal.margin, least) if depth < TWO_MARGINS else (least,)
-        for step in near_steps(context, node, margins, PER_SHIFT):
-            if not context.permits(node, step):
-                continue
-            reached = context.after(node, step)
-            yield Option(step, reached, gain(step), value_of(nominal, reached.posture))
+        margins = (context.nominal.margin, least) if depth < TWO_MARGINS else (least,)
+        return _options(context, node, near_steps(context, node, margins, PER_SHIFT), gain, 1.0)
 
-    found: Found[Node, Candidate] = yield from beam(context.start, options, DEPTH, WIDTH)
+    found: Ways = yield from beam(context.start, options, DEPTH, WIDTH)
     return Found(firsts(found.ways), found.finished)
 
 
@@ -154,23 +150,21 @@ def look_wide(context: SearchContext) -> StepSearch:
     start = context.start
     gain = gain_with(context, MARGIN_WEIGHT)
     policy = policy_with(context, gain)
-    first_steps = any_steps(context, start)
-    glanced: Found[Node, Candidate] = yield from rollouts(
-        _options(context, start, first_steps, gain, GLANCE_WEIGHT), policy, GLANCE
-    )
-    if not glanced.finished:
-        return glanced
+    options = _options(context, start, any_steps(context, start), gain, GLANCE_WEIGHT)
+    glanced: Ways = yield from rollouts(_each_first(options), policy, GLANCE)
     found: Branches = []
-    for branch in glanced.ways[:KEPT]:
+    finished = glanced.finished
+    for branch in glanced.ways[:KEPT] if finished else ():
         first = branch.first
         reached = context.after(start, first)
-        successors = any_steps(context, reached, short=False)
-        second = ((option, first) for option, _ in _options(context, reached, successors, gain))
-        looked: Found[Node, Candidate] = yield from rollouts(second, policy, LOOK, gain(first), 1)
+        options = _options(context, reached, any_steps(context, reached, short=False), gain)
+        second = ((option, first) for option in options)
+        looked: Ways = yield from rollouts(second, policy, LOOK, gain(first), 1)
         found += looked.ways
-        if not looked.finished:
-            return Found(firsts([*ranked(found), *glanced.ways]), False)
-    return Found(firsts([*ranked(found), *glanced.ways]), True)
+        finished = looked.finished
+        if not finished:
+            break
+    return Found(firsts([*ranked(found), *glanced.ways]), finished)
 
 
 def any_steps(context: SearchContext, node: Node, short: bool = True) -> Iterator[Candidate]:
@@ -178,7 +172,7 @@ def any_steps(context: SearchContext, node: Node, short: bool = True) -> Iterato
     a tick.
     """
     yield from wide_steps(context, node, short)
-    yield from body_shifts(context, node)
+    yield from body_shifts(node.posture)
 
 
 def _options(
@@ -187,16 +181,21 @@ def _options(
     candidates: Iterable[Candidate],
     gain: Gain,
     weight: float = 0.0,
-) -> Iterator[tuple[Option[Node, Candidate], Candidate]]:
+) -> Iterator[Option[Node, Candidate]]:
     """Candidates with where they lead; ``weight`` is the share of the value of the posture reached
     that its heuristic is.
     """
     for candidate in candidates:
-        if not context.permits(node, candidate):
-            continue
-        reached = context.after(node, candidate)
-        heuristic = weight * value_of(context.nominal, reached.posture) if weight else 0.0
-        yield Option(candidate, reached, gain(candidate), heuristic), candidate
+        if context.permits(node, candidate):
+            reached = context.after(node, candidate)
+            heuristic = weight * value_of(reached.posture) if weight else 0.0
+            yield Option(candidate, reached, gain(candidate), heuristic)
+
+
+def _each_first(
+    options: Iterable[Option[Node, Candidate]],
+) -> Iterator[tuple[Option[Node, Candidate], Candidate]]:
+    return ((option, option.candidate) for option in options)
 
 
 def gain_with(context: SearchContext, weight: float) -> Gain:
@@ -216,7 +215,7 @@ def policy_with(context: SearchContext, gain: Gain) -> Callable[[Node], tuple[No
     """
 
     def policy(node: Node) -> tuple[Node, float] | None:
-        step = decide(context.nominal, node.posture, context.cells, context.accepts(node))
+        step = context.paper_step(node)
         if step is None or step.margin < context.least - SLACK:
             return None
         return context.after(node, step), gain(step)
@@ -229,58 +228,49 @@ def policy_with(context: SearchContext, gain: Gain) -> Callable[[Node], tuple[No
 
 def _will_do(context: SearchContext, paper: SwingStep, open_ahead: bool) -> bool:
     if open_ahead:
-        return is_standard_step(context.nominal, context.start.posture, paper)
+        return is_standard_step(context.start.posture, paper)
     return stays_standard(context, paper)
 
 
-def stays_standard(context: SearchContext, step: SwingStep) -> bool:
+def stays_standard(context: SearchContext, paper: SwingStep) -> bool:
     """The paper's policy keeps the nominal walk for the whole horizon, whatever cells are
     prohibited.
     """
     node = context.start
+    step: SwingStep | None = paper
     for _ in range(BACK_STEPS):
-        if not is_standard_step(context.nominal, node.posture, step):
+        if step is None or not is_standard_step(node.posture, step):
             return False
         node = context.after(node, step)
-        ahead = decide(context.nominal, node.posture, context.cells, context.accepts(node))
-        if ahead is None:
-            return False
-        step = ahead
-    return True
+        step = context.paper_step(node)
+    return step is not None
 
 
-def is_standard_step(nominal: NominalGait, posture: Posture, step: SwingStep) -> bool:
+def is_standard_step(posture: Posture, step: SwingStep) -> bool:
     """The walk is standard and stays so: the successor swings, by the standard distance, to I_u
     itself.
     """
-    leg = step.leg
-    tolerance = AGREEMENT * nominal.stride
-    if posture.last >= 0 and leg != SUCCESSOR[posture.last]:
-        return False
+    nominal = posture.nominal
     (x, y), landing = step.start, step.landing
     return (
-        abs(landing.x - x) <= NEAR
+        (posture.last < 0 or step.leg == SUCCESSOR[posture.last])
+        and abs(landing.x - x) <= NEAR
         and abs(landing.y - y) <= NEAR
-        and step.g >= nominal.shift_of(leg) - tolerance
+        and step.g >= nominal.shift_of(step.leg) - AGREEMENT * nominal.stride
         and step.margin >= nominal.margin - LOWER
-        and _on_stroke(nominal, posture, tolerance)
-        and _phases_hold(nominal, posture, leg, tolerance)
+        and _in_layout(posture, step.leg)
     )
 
 
-def _on_stroke(nominal: NominalGait, posture: Posture, tolerance: float) -> bool:
-    ux, uy, _ = nominal.path
-    return all(
-        abs(ux * (fy - cy) - uy * (fx - cx)) <= tolerance
-        for (fx, fy), (cx, cy) in zip(posture.feet, nominal.centres, strict=True)
-    )
-
-
-def _phases_hold(nominal: NominalGait, posture: Posture, leg: int, tolerance: float) -> bool:
+def _in_layout(posture: Posture, leg: int) -> bool:
+    """True when every foot stands on its stroke, and there where it does as ``leg`` swings next."""
+    nominal = posture.nominal
+    tolerance = AGREEMENT * nominal.stride
     ux, uy, _ = nominal.path
     layout = zip(posture.feet, nominal.centres, nominal.layout_before(leg), strict=True)
     return all(
-        abs(ux * (fx - cx) + uy * (fy - cy) - ahead) <= tolerance
+        abs(ux * (fy - cy) - uy * (fx - cx)) <= tolerance
+        and abs(ux * (fx - cx) + uy * (fy - cy) - ahead) <= tolerance
         for (fx, fy), (cx, cy), ahead in layout
     )
 
@@ -288,7 +278,6 @@ def _phases_hold(nominal: NominalGait, posture: Posture, leg: int, tolerance: fl
 def is_open(context: SearchContext) -> bool:
     """True when no cell is prohibited anywhere the feet could come within the horizon."""
     nominal = context.nominal
-    terrain = context.terrain
     ux, uy, _ = nominal.path
     way = (DEPTH + 2) * standard_way(nominal)
     x_reach = max(abs(v) for box in nominal.boxes for v in box[:2])
@@ -299,10 +288,5 @@ def is_open(context: SearchContext) -> bool:
         for y in (-y_reach, y_reach)
         for dx, dy in ((0.0, 0.0), (way * ux, way * uy))
     ]
-    (c0, c1), (r0, r1) = (
-        [math.floor((end - origin) / terrain.cell) for end in (min(values), max(values))]
-        for values, origin in zip(zip(*corners, strict=True), terrain.origin, strict=True)
-    )
-    if c0 < 0 or r0 < 0 or c1 >= terrain.columns or r1 >= terrain.rows:
-        return False
-    return not terrain.forbidden[r0 : r1 + 1, c0 : c1 + 1].any()
+    x, y = zip(*corners, strict=True)
+    return context.request.terrain.is_free(min(x), max(x), min(y), max(y))

@@ -22,11 +22,12 @@ from ..protocols import (
 )
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
-from ..types import Blocked, Command, Gait, Stance, StepPlan
-from . import baseline, predictive_planner
+from ..types import Blocked, Command, Stance, StepPlan
+from . import baseline, planner
 from .gait import AGREEMENT, off_standard
-from .planner import plan_step
+from .predictive_planner import step_job
 from .slope_adaptation import SlopeAdaptation
+from .steps import StepRequest
 
 # The crab walk has a standard margin of 0 at β = 0.75 (H §4.3 (3)).
 PAPER = Capabilities(
@@ -47,7 +48,8 @@ class CrabPlanner(Planner):
         self._capabilities = capabilities
         self._machine = setup.machine
         self._gait = setup.gait
-        self._steps = _STEP_PLANNERS[setup.mode](setup.gait, setup.explain)
+        self._job = _JOBS[setup.mode]
+        self._explain = setup.explain
         self._local: LocalPlanner | None = None
         if setup.detours and capabilities.takes_detours:
             self._local = LocalPlanner(setup.cautious, stretches=capabilities.fits_slopes)
@@ -60,7 +62,11 @@ class CrabPlanner(Planner):
 
     def _planner_for(self, machine: Machine) -> PlanFunction:
         """What plans the steps of one machine, on courses of Level B1 if there is one."""
-        steps = self._steps(machine)
+
+        def steps(stance: Stance, command: Command, terrain: TerrainMap) -> PlanningJob:
+            request = StepRequest(stance, command, terrain, machine, self._gait, self._explain)
+            return self._job(request)
+
         return steps if self._local is None else partial(self._local.plan, steps, machine)
 
     @property
@@ -97,35 +103,21 @@ class CrabPlanner(Planner):
             )
 
 
-def _predictive(gait: Gait, explain: bool) -> Callable[[Machine], PlanFunction]:
-    return lambda machine: partial(
-        predictive_planner.step_job, machine=machine, gait=gait, explain=explain
-    )
-
-
-def _as_printed(gait: Gait, explain: bool) -> Callable[[Machine], PlanFunction]:
-    return lambda machine: _without_pause(
-        partial(plan_step, machine=machine, gait=gait, explain=explain)
-    )
-
-
-def _naive(gait: Gait, explain: bool) -> Callable[[Machine], PlanFunction]:
-    return lambda machine: _without_pause(
-        partial(baseline.plan_step, machine=machine, gait=gait, explain=explain)
-    )
-
-
 def _without_pause(
-    step: Callable[[Stance, Command, TerrainMap], StepPlan | Blocked],
-) -> PlanFunction:
+    answer: Callable[[StepRequest], StepPlan | Blocked],
+) -> Callable[[StepRequest], PlanningJob]:
     """A planner that answers at once, as one that could have paused."""
 
-    def plan(stance: Stance, command: Command, terrain: TerrainMap) -> PlanningJob:
-        return step(stance, command, terrain)
+    def job(request: StepRequest) -> PlanningJob:
+        return answer(request)
         yield
 
-    return plan
+    return job
 
 
 MODES = {"predictive": PREDICTIVE, "paper": PAPER, "naive": NAIVE}
-_STEP_PLANNERS = {"predictive": _predictive, "paper": _as_printed, "naive": _naive}
+_JOBS: dict[str, Callable[[StepRequest], PlanningJob]] = {
+    "predictive": step_job,
+    "paper": _without_pause(planner.plan_step),
+    "naive": _without_pause(baseline.plan_step),
+}

@@ -4,51 +4,37 @@ clock (H §3, §5-§7).
 
 from __future__ import annotations
 
-from ..robot.model import Machine
+from ..protocols import run_to_completion
 from ..terrain.cells import foothold_map
-from ..terrain.map import TerrainMap
-from ..types import Blocked, Command, Gait, Reason, Stance, StepPlan
+from ..types import Blocked, Reason, StepPlan
 from .decision_log import DecisionLog, reasons_of
 from .foothold_checks import FootholdChecks
 from .gait import nominal_gait, posture_of
 from .leg_selection import decide
 from .step_plans import swing_plan
-from .steps import SwingStep
-from .turning import plan_turn, turns
+from .steps import StepRequest, SwingStep
+from .turning import turn_job, turns
 
 
-def plan_step(
-    stance: Stance,
-    command: Command,
-    terrain: TerrainMap,
-    machine: Machine,
-    gait: Gait,
-    *,
-    explain: bool = False,
-) -> StepPlan | Blocked:
+def plan_step(request: StepRequest) -> StepPlan | Blocked:
     """The next step of the crab walk from N_k, or why there is none.
 
     A command that turns is walked on an arc (``turning``); here the course is straight. A command
-    of speed 0 is planned at v_max, to be played at the walker's own pace. ``explain`` fills the
-    decision log.
+    of speed 0 is planned at v_max, to be played at the walker's own pace.
     """
-    if turns(command, machine):
-        return plan_turn(stance, command, terrain, machine, gait, explain=explain)
-    nominal = nominal_gait(machine, gait, command.crab_angle, stance.quarter_turns)
-    log: DecisionLog | None = None
-    if explain:
-        log = {"crab_angle": command.crab_angle, "quarter_turns": nominal.quarter_turns}
-    posture = posture_of(nominal, stance)
-    checks = FootholdChecks(nominal, posture, stance, terrain, machine, gait)
+    if turns(request.command, request.machine):
+        return run_to_completion(turn_job(request))
+    stance, command = request.stance, request.command
+    nominal = nominal_gait(request.machine, request.gait, command.crab_angle, stance.quarter_turns)
+    log = request.log(crab_angle=command.crab_angle, quarter_turns=nominal.quarter_turns)
+    checks = FootholdChecks(posture_of(nominal, stance), request)
     step = _decided(checks, log)
-    if step is None:
-        return _blocked(checks, log)
-    return swing_plan(checks, step, command.speed, log)
+    return _blocked(checks, log) if step is None else swing_plan(checks, step, command.speed, log)
 
 
 def _decided(checks: FootholdChecks, log: DecisionLog | None) -> SwingStep | None:
     accepts = None if checks.is_level else checks.refuses
-    return decide(checks.nominal, checks.posture, foothold_map(checks.terrain), accepts, log)
+    return decide(checks.posture, foothold_map(checks.terrain), accepts, log)
 
 
 def _blocked(checks: FootholdChecks, log: DecisionLog | None) -> Blocked:

@@ -12,16 +12,13 @@ from __future__ import annotations
 import math
 from collections.abc import Generator
 from dataclasses import replace
+from itertools import islice
 from typing import NamedTuple
 
 from ..motion.step_builder import with_feet
-from ..robot.model import Machine
-from ..terrain.map import TerrainMap
-from ..types import Blocked, Gait, Reason, Stance
+from ..types import Blocked, Reason, Stance
 from .candidates import Node, SearchContext, near_steps
 from .decision_log import DecisionLog, reasons_of, refused_cells
-from .gait import nominal_gait, posture_of
-from .leg_selection import decide
 from .lookahead_search import DEPTH, Branches, best_of, is_open, look_near, standard_way
 from .steps import SwingStep
 
@@ -44,51 +41,28 @@ class Recovery(NamedTuple):
 RecoveryJob = Generator[None, bool | None, Recovery | None]
 
 
-def context_of(
-    stance: Stance,
-    crab_angle: float,
-    terrain: TerrainMap,
-    machine: Machine,
-    gait: Gait,
-    stretched: bool = False,
-) -> SearchContext:
-    """The walker on its ground, along one course; ``stretched``: with legs that reach as far as
-    their mechanism goes.
-    """
-    nominal = nominal_gait(machine, gait, crab_angle, stance.quarter_turns, stretched)
-    return SearchContext(nominal, stance, posture_of(nominal, stance), terrain, machine, gait)
-
-
-def _on_course(context: SearchContext, stance: Stance, crab_angle: float) -> SearchContext:
-    """The same walker on another course, or from another stance."""
-    return context_of(stance, crab_angle, context.terrain, context.machine, context.gait)
-
-
-def way_out(context: SearchContext, stance: Stance, crab_angle: float) -> RecoveryJob:
+def way_out(context: SearchContext) -> RecoveryJob:
     """A step back that lets the walk get past where it stands, a course within the cone that gets
     on, stretched legs; None without one.
     """
-    back = yield from _by_a_step_back(context, stance, crab_angle)
+    back = yield from _by_a_step_back(context)
     if back is not None:
         return back
     least = WORTH * standard_way(context.nominal)
     for degrees in CONE:
         off = math.radians(degrees)
-        aside = _on_course(context, stance, crab_angle + off)
+        aside = SearchContext(context.request, context.request.command.crab_angle + off)
         found = yield from look_near(aside)
         if found.ways and found.ways[0].pace(DEPTH) >= least / math.cos(off):
             return Recovery("cone", aside, found.ways)
-    return (yield from by_stretching(context, stance, crab_angle, least))
+    return (yield from by_stretching(context, least))
 
 
-def by_stretching(
-    context: SearchContext, stance: Stance, crab_angle: float, least: float
-) -> RecoveryJob:
+def by_stretching(context: SearchContext, least: float) -> RecoveryJob:
     """The commanded course with legs stretched to the mechanical limit, if that gains more than
     ``least`` m a step: wider gaps, slowly.
     """
-    terrain, machine, gait = context.terrain, context.machine, context.gait
-    far = context_of(stance, crab_angle, terrain, machine, gait, stretched=True)
+    far = SearchContext(context.request, context.request.command.crab_angle, stretched=True)
     found = yield from best_of(far)
     return Recovery("stretch", far, found.ways) if found.pace > least else None
 
@@ -105,34 +79,35 @@ def is_strained(context: SearchContext) -> bool:
     return beyond and not is_open(context)
 
 
-def _by_a_step_back(context: SearchContext, stance: Stance, crab_angle: float) -> RecoveryJob:
-    behind = _on_course(context, stance, crab_angle + math.pi)
+def _by_a_step_back(context: SearchContext) -> RecoveryJob:
+    request = context.request
+    course = request.command.crab_angle
+    behind = SearchContext(request, course + math.pi)
     need = WORTH * (DEPTH + 1) * standard_way(context.nominal)
-    steps = list(near_steps(behind, behind.start, (behind.nominal.margin,), 2))
-    for step in steps[:BACK_MAX]:
-        there = stance_at(behind, stance, behind.after(behind.start, step), step)
-        found = yield from look_near(_on_course(context, there, crab_angle))
+    for step in islice(near_steps(behind, behind.start, (behind.nominal.margin,), 2), BACK_MAX):
+        there = stance_at(behind, behind.after(behind.start, step), step)
+        found = yield from look_near(SearchContext(request._replace(stance=there), course))
         if found.ways and found.ways[0].gain - step.g >= need:
             return Recovery("back", behind, [replace(found.ways[0], first=step)])
     return None
 
 
-def stance_at(context: SearchContext, stance: Stance, node: Node, step: SwingStep) -> Stance:
+def stance_at(context: SearchContext, node: Node, step: SwingStep) -> Stance:
     """The stance after one step, on level ground too, where nodes do not carry it."""
     if node.stance is not None:
         return node.stance
-    nominal = context.nominal
+    stance, nominal = context.request.stance, context.nominal
     leg = nominal.body_leg[step.leg]
-    landing = step.landing.ax, step.landing.ay, context.here.ground_at(step.landing)
+    feet = with_feet(stance.feet, {leg: context.here.foot_at(step.landing)})
     body = node.posture.x, node.posture.y, *stance.body[2:]
-    return Stance(body, with_feet(stance.feet, {leg: landing}), leg, nominal.quarter_turns)
+    return Stance(body, feet, leg, nominal.quarter_turns)
 
 
 def blocked(context: SearchContext, ways: Branches, log: DecisionLog | None) -> Blocked:
     """No way on: what failed for each leg where the farthest way ends, and cells refused there."""
     end = ways[0].node if ways else context.start
     tried: DecisionLog = {}
-    decide(context.nominal, end.posture, context.cells, context.accepts(end), tried)
+    context.paper_step(end, tried)
     legs = tried.get("legs", [])
     cells = refused_cells(tried, CELLS_LOGGED)
     where = f"after {ways[0].gain:.2f} m more " if ways and ways[0].gain > 0.005 else ""

@@ -31,8 +31,7 @@ from ..types import Blocked, Gait, Point, Reason, Stance, StepPlan
 from .decision_log import DecisionLog
 from .foothold_checks import FootholdChecks
 from .foothold_search import corners_of, domain_of
-from .gait import NominalGait, Posture, nominal_gait, quarter_turned
-from .leg_selection import EARLY, exits_of
+from .gait import EARLY, NominalGait, Posture, nominal_gait, quarter_turned
 from .steps import BodyShift, SwingStep
 
 
@@ -63,13 +62,13 @@ def build(
     posture = checks.posture
     stance = checks.stance
     leg = nominal.body_leg[step.leg]
-    landing: Point = (step.landing.ax, step.landing.ay, checks.ground_at(step.landing))
+    landing = checks.foot_at(step.landing)
     way = BodyWay(stance.body, (posture.c, posture.s), nominal.path, step.g, height)
     corners = _corners_of(checks, step, landing, height)
     clock = _clock(checks, step, way, corners, speed)
     rows, phases = knots(clock, profile_of(checks.gait), way, step.g0, corners)
     if log is not None:
-        log["domain"] = searched(nominal, posture, step)
+        log["domain"] = searched(posture, step)
     return plan_of_one_foot(
         stance,
         leg,
@@ -239,17 +238,17 @@ def _cruise(
     )
 
 
-def searched(nominal: NominalGait, posture: Posture, step: SwingStep) -> list[list[float]]:
+def searched(posture: Posture, step: SwingStep) -> list[list[float]]:
     """Corners of D_u in the absolute frame, for the decision log; the leg's whole reach at N_{k+1}
     where a search went beyond D_u.
     """
+    nominal = posture.nominal
     x1, x2, y1, y2 = nominal.boxes[step.leg]
     corners = [
         nominal.path.placed(x, y, step.g) for x, y in ((x1, y1), (x2, y1), (x2, y2), (x1, y2))
     ]
     if nominal.path.turn == 0.0:
-        exits = exits_of(nominal, posture)
-        domain = domain_of(nominal, posture.feet, exits, step.leg, step.g, step.convergent)
+        domain = domain_of(posture, step.leg, step.g, step.convergent)
         if domain.refuses(step.landing.x, step.landing.y) is None:
             corners = corners_of(domain)
     return [list(posture.absolute(x, y)) for x, y in corners]

@@ -5,11 +5,27 @@ Gait frame, origin at the CoG at N_k (H's E_k); metres.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ..geometry.transforms import XY
+from ..robot.model import Machine
+from ..terrain.map import TerrainMap
+from ..types import Command, Gait, Stance
 
-Exits = tuple[float, ...]  # g_i of every leg, m
+
+class StepRequest(NamedTuple):
+    """What a step is planned from: the walker at N_k, what is commanded, and the ground."""
+
+    stance: Stance
+    command: Command
+    terrain: TerrainMap
+    machine: Machine
+    gait: Gait
+    explain: bool = False
+
+    def log(self, **facts: Any) -> dict[str, Any] | None:
+        """A decision log begun with these facts; None when nobody asks for one."""
+        return facts if self.explain else None
 
 
 class Landing(NamedTuple):

@@ -13,37 +13,37 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any, NamedTuple
+from operator import itemgetter
+from typing import NamedTuple
 
 from ..geometry.paths import arc_exit, arc_of_command
 from ..geometry.polygons import inside_of, nearest_of
 from ..geometry.transforms import XY, left_fold_sum
 from ..motion.step_builder import changed
-from ..protocols import PlanningJob, run_to_completion
+from ..protocols import PlanningJob
 from ..robot.model import Machine
 from ..search import Branch, Option, Search, beam, firsts, uninterruptible
 from ..stability import polygon_margin, support_polygon
-from ..terrain.cells import FootholdMap, disc_of, foothold_map
-from ..terrain.map import TerrainMap
-from ..types import Blocked, Command, Gait, Reason, Stance, StepPlan
-from .candidates import shift_room
+from ..terrain.cells import FootholdMap, cells_around, foothold_map
+from ..types import Blocked, Command, Reason, StepPlan
+from .candidates import entry_of, shift_room
 from .decision_log import DecisionLog, StepRefusal, note_cell, note_leg, note_reason, note_search
 from .foothold_checks import FootholdChecks
 from .foothold_search import phase_point
-from .gait import NominalGait, Posture, nominal_gait_on, posture_of
+from .gait import Posture, nominal_gait_on, posture_of
 from .leg_selection import (
     SLACK,
     STILL,
     after,
     body_shift_to,
-    exits_of,
+    changes_nothing,
     free_shift,
     shifted,
     stable_on,
     triangle_of,
 )
 from .step_plans import body_shift_plan, swing_plan
-from .steps import BodyShift, Candidate, Exits, Landing, Shift, SwingStep
+from .steps import BodyShift, Candidate, Landing, Shift, StepRequest, SwingStep
 
 # rad per m of s; a path that bends less, one of a kilometre's radius, is walked straight
 STRAIGHT = 1e-3
@@ -84,19 +84,11 @@ class TurnNode(NamedTuple):
     """A posture in the search."""
 
     posture: Posture
-    exits: Exits  # g_i
     way: float = 0.0  # m of the path gone
     shifted: bool = False  # the last step was a body shift
 
 
 TurnBranch = Branch[TurnNode, Candidate]
-
-
-class NearCell(NamedTuple):
-    """A cell near a place: its centre as a landing, and how far away it is, m."""
-
-    landing: Landing
-    away: float
 
 
 class TurnSearch:
@@ -113,7 +105,7 @@ class TurnSearch:
         self.useful = USEFUL * self.full
         comfort = min(INSET, INSET_SHARE * nominal.margin)
         self.insets = (comfort, THIN, BARE) if comfort > THIN else (THIN, BARE)
-        self.root = TurnNode(checks.posture, exits_of(nominal, checks.posture))
+        self.root = TurnNode(checks.posture)
         self.in_need = stance.still >= STILL_MAX  # the way that gets on soonest is the best
         self.anywhere = 0  # steps in which feet may come down anywhere in reach
 
@@ -142,7 +134,7 @@ class TurnSearch:
         lacks = min(
             left_fold_sum(
                 max(0.0, ahead + end - has)
-                for end, ahead, has in zip(ends, layout, node.exits, strict=True)
+                for end, ahead, has in zip(ends, layout, node.posture.exits, strict=True)
             )
             for layout in ((layouts[last],) if last >= 0 else layouts)
         )
@@ -154,14 +146,12 @@ class TurnSearch:
         """
         if isinstance(candidate, BodyShift):
             posture = shifted(node.posture, candidate)
-            exits = exits_of(self.nominal, posture)
-            return TurnNode(posture, exits, node.way, True), -math.hypot(candidate.x, candidate.y)
-        posture = after(self.nominal, node.posture, candidate)
+            return TurnNode(posture, node.way, True), -math.hypot(candidate.x, candidate.y)
+        posture = after(node.posture, candidate)
         lost = max(0.0, self.full - (candidate.g - candidate.g0))
         if candidate.margin < THIN:
             lost += THIN_COST
-        reached = TurnNode(posture, exits_of(self.nominal, posture), node.way + candidate.g)
-        return reached, candidate.g - lost
+        return TurnNode(posture, node.way + candidate.g), candidate.g - lost
 
     # what can be done next
 
@@ -193,7 +183,7 @@ class TurnSearch:
         """g0, g and the inset kept when ``leg`` swings; None when it cannot."""
         best: Shift | None = None
         for inset in self.insets:
-            shift = free_shift(self.nominal, node.posture, node.exits, leg, inset=inset)
+            shift = free_shift(node.posture, leg, inset=inset)
             if isinstance(shift, StepRefusal) or not self._carried(node, shift.g0):
                 continue
             if best is None or shift.g - shift.g0 > best.g - best.g0:
@@ -206,7 +196,7 @@ class TurnSearch:
         """True when the body stays over its four feet until g0."""
         if g0 <= 0.0:
             return True
-        low, high = stable_on(self.nominal, support_polygon(node.posture.feet), -SLACK)
+        low, high = stable_on(self.arc, support_polygon(node.posture.feet), -SLACK)
         return low <= 0.0 and high >= g0
 
     def swings(self, node: TurnNode, shift: Shift, depth: int) -> Iterator[SwingStep]:
@@ -217,7 +207,7 @@ class TurnSearch:
         nominal = self.nominal
         end = nominal.ends[leg]
         farthest = g + nominal.stride
-        phase = min(max(phase_point(nominal, node.exits, leg) + end, g), farthest)
+        phase = min(max(phase_point(node.posture, leg) + end, g), farthest)
         leaves = [phase]
         if farthest - phase > 0.05 * nominal.stride:
             leaves.append(farthest)
@@ -240,29 +230,20 @@ class TurnSearch:
         """I_u itself, or the best of the free cells nearest to it: near, and left no sooner than
         ``wanted``.
         """
-        ax, ay = node.posture.absolute(*start)
-        exact = Landing(*start, ax, ay)
-        if self.cells.allows(ax, ay) and self.fits(shift, exact, first) is not None:
-            return None if self._stays(node, shift, exact) else exact
-        best = None
-        least = math.inf
-        count = 0
-        for landing, away in self.near_cells(node, (ax, ay)):
+        around = node.posture.absolute(*start)
+        exact = Landing(*start, *around)
+        if self.cells.allows(*around) and self.fits(shift, exact, first) is not None:
+            return None if changes_nothing(node.posture, shift, exact) else exact
+        costs: list[tuple[float, Landing]] = []
+        for ax, ay, away in cells_around(self.cells, around, FAR_ENOUGH):
+            landing = Landing(*node.posture.canonical(ax, ay), ax, ay)
             left = self.fits(shift, landing, first)
-            if left is None or self._stays(node, shift, landing):
+            if left is None or changes_nothing(node.posture, shift, landing):
                 continue
-            cost = away + max(0.0, wanted - shift.g - left)
-            if cost < least:
-                best, least = landing, cost
-            count += 1
-            if count >= CELLS_MAX:
+            costs.append((away + max(0.0, wanted - shift.g - left), landing))
+            if len(costs) >= CELLS_MAX:
                 break
-        return best
-
-    def _stays(self, node: TurnNode, shift: Shift, landing: Landing) -> bool:
-        """True when the body would stay and the foot come down where it stands."""
-        fx, fy = node.posture.feet[shift.leg]
-        return shift.g <= STILL and math.hypot(landing.x - fx, landing.y - fy) <= STILL
+        return min(costs, key=itemgetter(0))[1] if costs else None
 
     def fits(self, shift: Shift, landing: Landing, first: bool) -> float | None:
         """How far on from N_{k+1} a foothold stays in reach; None when it is not, or its height
@@ -276,26 +257,11 @@ class TurnSearch:
             return None
         return arc_exit(x, y, box, self.arc)
 
-    def near_cells(self, node: TurnNode, around: XY, every: bool = False) -> Iterator[NearCell]:
-        """Free cells (or ``every`` one) from the nearest on."""
-        forbidden, rows, columns, cell, ox, oy = self.cells
-        column = math.floor((around[0] - ox) / cell)
-        row = math.floor((around[1] - oy) / cell)
-        for dc, dr, away in disc_of(cell, FAR_ENOUGH):
-            i, j = column + dc, row + dr
-            if not (0 <= i < columns and 0 <= j < rows):
-                continue
-            if forbidden[j * columns + i] and not every:
-                continue
-            ax, ay = ox + (i + 0.5) * cell, oy + (j + 0.5) * cell
-            yield NearCell(Landing(*node.posture.canonical(ax, ay), ax, ay), away)
-
     def body_shifts(self, node: TurnNode, legs: list[int]) -> Iterator[BodyShift]:
         """For every leg the shortest shift of the body on four legs after which it can swing: for a
         useful way, else at all.
         """
-        feet = node.posture.feet
-        room = shift_room(self.nominal, feet)
+        room = shift_room(node.posture)
         ahead_x, ahead_y, _ = self.arc.pose(2.0 * self.useful)
         for leg in legs:
             triangle = triangle_of(node.posture, leg)
@@ -327,51 +293,30 @@ def turns(command: Command, machine: Machine) -> bool:
     return abs(command.turn_rate) > STRAIGHT * pace
 
 
-def plan_turn(
-    stance: Stance,
-    command: Command,
-    terrain: TerrainMap,
-    machine: Machine,
-    gait: Gait,
-    *,
-    explain: bool = False,
-) -> StepPlan | Blocked:
-    """The next step of a turning walk from N_k, or why there is none."""
-    return run_to_completion(turn_job(stance, command, terrain, machine, gait, explain=explain))
-
-
-def turn_job(
-    stance: Stance,
-    command: Command,
-    terrain: TerrainMap,
-    machine: Machine,
-    gait: Gait,
-    *,
-    explain: bool = False,
-) -> PlanningJob:
-    """As ``plan_turn``, slice by slice; always to the end, a few ticks of standing at most."""
-    arc, pace = arc_of_command(
-        command.crab_angle, command.speed, command.turn_rate, machine.yaw_length
-    )
-    nominal = nominal_gait_on(machine, gait, arc, command.crab_angle)
-    log: DecisionLog | None = None
-    if explain:
-        log = {"crab_angle": command.crab_angle, "turn": arc.turn, "stride": nominal.stride}
-    posture = posture_of(nominal, stance)
-    search = TurnSearch(FootholdChecks(nominal, posture, stance, terrain, machine, gait))
+def turn_job(request: StepRequest) -> PlanningJob:
+    """The next step of a turning walk from N_k, or why there is none, slice by slice; always to the
+    end, a few ticks of standing at most.
+    """
+    command, machine = request.command, request.machine
+    course = command.crab_angle
+    arc, pace = arc_of_command(course, command.speed, command.turn_rate, machine.yaw_length)
+    nominal = nominal_gait_on(machine, request.gait, arc, course)
+    log = request.log(crab_angle=course, turn=arc.turn, stride=nominal.stride)
+    posture = posture_of(nominal, request.stance)
+    search = TurnSearch(FootholdChecks(posture, request))
     answer: StepPlan | Blocked = Blocked(Reason.NO_WAY_ON_AN_ARC, None, log)
     for depth, width, anywhere in LOOKS[IN_NEED_LOOK:] if search.in_need else LOOKS:
         # half a search knows no better than to stay, and a walk of such answers never ends
         found = yield from uninterruptible(search.look(depth, width, anywhere))
-        weighed = [_entry(search, way) for way in firsts(found.ways)] if explain else []
-        note_search(log, "turn", depth, weighed)
-        for way in firsts(found.ways):
-            if not _gets_on(search, way):
-                continue
-            _note_legs(search, way.first, log)
-            answer = _planned(search, way.first, pace, log)
-            if isinstance(answer, StepPlan):
-                return answer
+        ways = firsts(found.ways)
+        if log is not None:
+            note_search(log, "turn", depth, [entry_of(posture, way, "inset") for way in ways])
+        for way in ways:
+            if _gets_on(search, way):
+                _note_legs(search, way.first, log)
+                answer = _planned(search, way.first, pace, log)
+                if isinstance(answer, StepPlan):
+                    return answer
     if log is not None and "legs" not in log:
         _note_legs(search, None, log)
     return answer
@@ -395,7 +340,7 @@ def _planned(
         plan: StepPlan | Blocked = body_shift_plan(checks, first, pace, log)
     else:
         way = first.g
-        margin = least_margin(checks.nominal, checks.posture, first)
+        margin = least_margin(checks.posture, first)
         plan = swing_plan(checks, first._replace(margin=margin), pace, log)
     if isinstance(plan, Blocked):
         return plan
@@ -404,7 +349,7 @@ def _planned(
     return changed(plan, end=end)
 
 
-def least_margin(nominal: NominalGait, posture: Posture, step: SwingStep) -> float:
+def least_margin(posture: Posture, step: SwingStep) -> float:
     """Least polygon margin of a step, looked at along it."""
     least = math.inf
     for polygon, low, high in (
@@ -412,29 +357,13 @@ def least_margin(nominal: NominalGait, posture: Posture, step: SwingStep) -> flo
         (triangle_of(posture, step.leg), step.g0, step.g),
     ):
         for k in range(5):
-            dx, dy, _ = nominal.path.pose(low + k / 4 * (high - low))
+            dx, dy, _ = posture.nominal.path.pose(low + k / 4 * (high - low))
             least = min(least, polygon_margin(polygon, dx, dy))
     return least
 
 
 # the decision log, worked out once the step is chosen: a walk that explains itself takes the same
 # steps
-
-
-def _entry(search: TurnSearch, way: TurnBranch) -> dict[str, Any]:
-    """A way of the search: its first step, and how it scored."""
-    first = way.first
-    entry: dict[str, Any] = {"score": way.score, "gain": way.gain, "steps": way.steps}
-    if isinstance(first, BodyShift):
-        there = search.root.posture.absolute(first.x, first.y)
-        return entry | {"leg": None, "margin": first.margin, "body": list(there)}
-    return entry | {
-        "leg": first.leg + 1,
-        "g0": first.g0,
-        "g": first.g,
-        "inset": first.margin,
-        "landing": [first.landing.ax, first.landing.ay],
-    }
 
 
 def _note_legs(search: TurnSearch, taken: Candidate | None, log: DecisionLog | None) -> None:
@@ -449,7 +378,7 @@ def _note_legs(search: TurnSearch, taken: Candidate | None, log: DecisionLog | N
     leg = nominal.order.successor[last] if last >= 0 else 0
     for _ in range(4):
         whole = nominal.stride + nominal.spares[leg]
-        trial = note_leg(log, leg, return_length=max(0.0, whole - root.exits[leg]))
+        trial = note_leg(log, leg, return_length=max(0.0, whole - root.posture.exits[leg]))
         shift = search.shift_of(root, leg)
         if shift is None:
             note_reason(trial, _why_not(search, leg))
@@ -464,26 +393,26 @@ def _note_legs(search: TurnSearch, taken: Candidate | None, log: DecisionLog | N
 
 def _why_not(search: TurnSearch, leg: int) -> StepRefusal:
     """Why ``leg`` cannot swing now: which condition of H §5.2 fails on the arc."""
-    root = search.root
-    shift = free_shift(search.nominal, root.posture, root.exits, leg, inset=search.insets[-1])
+    shift = free_shift(search.root.posture, leg, inset=search.insets[-1])
     return shift if isinstance(shift, StepRefusal) else StepRefusal.UNCARRIED
 
 
 def _note_refused(search: TurnSearch, shift: Shift, taken: SwingStep, trial: DecisionLog) -> None:
     """Cells nearer to I_u than J_u that were passed over within the leg's reach, and why."""
-    root, landing = search.root, taken.landing
+    posture, landing = search.root.posture, taken.landing
     x1, x2, y1, y2 = search.nominal.boxes[taken.leg]
-    around = root.posture.absolute(*taken.start)
+    around = posture.absolute(*taken.start)
     nearer = math.dist((landing.ax, landing.ay), around) + search.cells.cell / 2
-    for cell, _ in search.near_cells(root, around, every=True):
-        if math.dist((cell.ax, cell.ay), around) > nearer or len(trial["refused"]) == REFUSED_MAX:
+    for ax, ay, _ in cells_around(search.cells, around, FAR_ENOUGH, every=True):
+        if math.dist((ax, ay), around) > nearer or len(trial["refused"]) == REFUSED_MAX:
             break
+        cell = Landing(*posture.canonical(ax, ay), ax, ay)
         x, y = search.arc.seen(cell.x, cell.y, taken.g)
         if not (x1 <= x <= x2 and y1 <= y <= y2) or cell[2:] == landing[2:]:
             continue
-        if not search.cells.allows(cell.ax, cell.ay):
-            note_cell(trial, cell.ax, cell.ay, StepRefusal.PROHIBITED)
+        if not search.cells.allows(ax, ay):
+            note_cell(trial, ax, ay, StepRefusal.PROHIBITED)
             continue
         refusal = None if search.checks.is_level else search.checks.refuses(shift, cell)
         if refusal is not None:
-            note_cell(trial, cell.ax, cell.ay, refusal)
+            note_cell(trial, ax, ay, refusal)

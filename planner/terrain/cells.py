@@ -5,11 +5,15 @@ order they lie around a place.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import lru_cache
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
+from ..geometry.paths import Box
+from ..geometry.transforms import XY
 from .map import TerrainMap
+
+T = TypeVar("T")
 
 
 class FootholdMap(NamedTuple):
@@ -79,3 +83,82 @@ def disc_of(cell: float, radius: float) -> tuple[tuple[int, int, float], ...]:
     ]
     near = (step for step in steps if step[2] <= radius)
     return tuple(sorted(near, key=lambda step: (step[2], step)))
+
+
+def cells_across(
+    cells: FootholdMap, area: Box, start: XY, course: XY, every: bool = False
+) -> Iterator[tuple[float, float, bool]]:
+    """Centres of the free cells of an area (or ``every`` one, with whether it is free) in rows
+    across a course, from ``start`` on (H §5.5).
+
+    Sideways from the start first; then the rows behind and ahead in turn, each from the cell on the
+    line along the course. The map's axis nearest to the course plays the part of "ahead".
+    """
+    forbidden, rows, columns, cell, ox, oy = cells
+    ahead = span_of(area[0], area[1], ox, cell, columns)
+    beside = span_of(area[2], area[3], oy, cell, rows)
+    # the start in cells, along the axis and across it
+    a0 = (start[0] - ox) / cell
+    b0 = (start[1] - oy) / cell
+    along, across = course
+    lengthwise = abs(along) >= abs(across)
+    if not lengthwise:
+        ahead, beside, a0, b0, along, across = beside, ahead, b0, a0, across, along
+    if ahead[0] > ahead[1] or beside[0] > beside[1]:
+        return
+    slope = across / along
+    first = math.floor(a0)
+    for row in outward(first, *ahead, -1 if along > 0.0 else 1):
+        middle = math.floor(b0 if row == first else b0 + slope * (row + 0.5 - a0))
+        for place in outward(middle, *beside, 1):
+            column, line = (row, place) if lengthwise else (place, row)
+            free = not forbidden[line * columns + column]
+            if free or every:
+                yield ox + (column + 0.5) * cell, oy + (line + 0.5) * cell, free
+
+
+def one_of_each_block(
+    cells: FootholdMap, area: Box, spacing: float, wanted: Callable[[float, float], T | None]
+) -> Iterator[T]:
+    """What is first ``wanted`` of the free cells in each block of about ``spacing`` m square."""
+    block = max(1, round(spacing / cells.cell))
+    side = block * cells.cell
+    first_column = math.floor((area[0] - cells.x) / side)
+    last_column = math.floor((area[1] - cells.x) / side)
+    first_row = math.floor((area[2] - cells.y) / side)
+    last_row = math.floor((area[3] - cells.y) / side)
+    for row in range(first_row, last_row + 1):
+        lines = range(max(0, row * block), min(cells.rows, (row + 1) * block))
+        for column in range(first_column, last_column + 1):
+            places = range(max(0, column * block), min(cells.columns, (column + 1) * block))
+            found = _first_wanted(cells, lines, places, wanted)
+            if found is not None:
+                yield found
+
+
+def _first_wanted(
+    cells: FootholdMap, lines: range, places: range, wanted: Callable[[float, float], T | None]
+) -> T | None:
+    forbidden, _, columns, cell, ox, oy = cells
+    for line in lines:
+        for place in places:
+            if not forbidden[line * columns + place]:
+                found = wanted(ox + (place + 0.5) * cell, oy + (line + 0.5) * cell)
+                if found is not None:
+                    return found
+    return None
+
+
+def cells_around(
+    cells: FootholdMap, place: XY, radius: float, every: bool = False
+) -> Iterator[tuple[float, float, float]]:
+    """Centres of the free cells (or ``every`` one) around a place from the nearest on, and how far
+    away they are, m.
+    """
+    forbidden, rows, columns, cell, ox, oy = cells
+    column = math.floor((place[0] - ox) / cell)
+    row = math.floor((place[1] - oy) / cell)
+    for dc, dr, away in disc_of(cell, radius):
+        i, j = column + dc, row + dr
+        if 0 <= i < columns and 0 <= j < rows and (every or not forbidden[j * columns + i]):
+            yield ox + (i + 0.5) * cell, oy + (j + 0.5) * cell, away

@@ -123,6 +123,15 @@ class TerrainMap(HeightGrid):
         flat = self.index(x, y)
         return flat >= 0 and not self.forbidden_bytes[flat]
 
+    def is_free(self, x_min: float, x_max: float, y_min: float, y_max: float) -> bool:
+        """True when an axis-aligned rectangle is on the map and no cell of it is prohibited."""
+        ox, oy = self.origin
+        c0, c1 = (math.floor((x - ox) / self.cell) for x in (x_min, x_max))
+        r0, r1 = (math.floor((y - oy) / self.cell) for y in (y_min, y_max))
+        if c0 < 0 or r0 < 0 or c1 >= self.columns or r1 >= self.rows:
+            return False
+        return not self.forbidden[r0 : r1 + 1, c0 : c1 + 1].any()
+
     def crest_between(self, ax: float, ay: float, bx: float, by: float) -> float:
         """Highest ground a foot passes on the straight way from a to b, m; −inf over none."""
         steps = max(1, math.ceil(math.hypot(bx - ax, by - ay) / self.cell))

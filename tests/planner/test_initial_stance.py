@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from walking_console.planner.initial_stance import Placement, square_stance, stance_on
+from walking_console.planner.initial_stance import Placement, square_stance, stance_on, standing
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.types import Gait
 
@@ -43,3 +43,14 @@ def test_what_it_cannot_stand_on_is_refused_and_says_why() -> None:
         stance_on(TITAN, GAIT, [[9.0, 9.0], *FEET[1:]], 0.0, 0.0, 0.0, level)
     with pytest.raises(ValueError, match="over a hole"):
         stance_on(TITAN, GAIT, FEET, 0.0, 0.0, 0.0, lambda x, y: math.nan)
+
+
+def test_standing_a_foot_over_a_hole_is_at_the_mean_of_the_others_and_every_leg_reaches() -> None:
+    places = [leg.centre for leg in TITAN.legs]
+    stance = standing(
+        TITAN, GAIT, (0.0, 0.0, 0.0), places, lambda x, y: math.nan if x > 0 and y > 0 else 0.2
+    )
+    assert [z for _, _, z in stance.feet] == [pytest.approx(0.2)] * 4
+    uneven = standing(TITAN, GAIT, (0.0, 0.0, 0.0), places, lambda x, y: 0.4 if x > 0 else 0.0)
+    low, high = TITAN.z_range
+    assert all(low <= z - uneven.body[2] <= high for _, _, z in uneven.feet)

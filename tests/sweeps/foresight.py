@@ -18,9 +18,10 @@ from typing import Any
 
 import numpy as np
 
+from tests.planner.crab.crab_walks import plan_at_once
 from walking_console.planner.crab.gait import nominal_gait, standard_stance
 from walking_console.planner.crab.planner import plan_step
-from walking_console.planner.crab.predictive_planner import plan_at_once
+from walking_console.planner.crab.steps import StepRequest
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.stability import polygon_margin, support_polygon
 from walking_console.planner.terrain.map import TerrainMap
@@ -53,10 +54,10 @@ PLACES = 0.5  # m over which rivers are spread: longer than a cycle of the walk
 Planner = Callable[[Stance, Command, TerrainMap, Gait], StepPlan | Blocked]
 MODES: dict[str, Planner] = {
     "paper": lambda stance, command, terrain, gait: plan_step(
-        stance, command, terrain, TITAN, gait
+        StepRequest(stance, command, terrain, TITAN, gait)
     ),
     "predictive": lambda stance, command, terrain, gait: plan_at_once(
-        stance, command, terrain, TITAN, gait
+        StepRequest(stance, command, terrain, TITAN, gait)
     ),
 }
 

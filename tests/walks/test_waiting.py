@@ -6,6 +6,7 @@ import pytest
 
 from walking_console.planner.config import Planning
 from walking_console.planner.crab.planner import plan_step
+from walking_console.planner.crab.steps import StepRequest
 from walking_console.planner.types import Command
 from walking_console.sim.scenario_files import load_scenario
 from walking_console.sim.simulation import Simulation
@@ -26,7 +27,8 @@ def thinker(console, slices):
             if (yield):
                 asked.append(console.tick_count)
                 break
-        return plan_step(stance, command, terrain, console.world.machine, console.world.gait)
+        world = console.world
+        return plan_step(StepRequest(stance, command, terrain, world.machine, world.gait))
 
     return think, asked
 

@@ -14,10 +14,8 @@ from walking_console.planner.crab.gait import (
     FRONT_ACROSS,
     IS_FRONT,
     REAR_ACROSS,
-    NominalGait,
     Posture,
 )
-from walking_console.planner.crab.leg_selection import exits_of
 from walking_console.planner.geometry.paths import Box
 
 from ..scene.palette import LEGS
@@ -38,25 +36,24 @@ def domain_marks(ax: Axes, walk: RecordedWalk, k: int) -> None:
     nominal, posture = walk.posture(k)
     leg = nominal.body_leg.index(swing)
     g = float(step["g"])
-    domain = searched_domain(nominal, posture, leg, step)
+    domain = searched_domain(posture, leg, step)
     _fill(ax, posture, domain, LEGS[swing])
     _outline(ax, posture, domain.box)
     if not IS_FRONT[leg]:
-        _limits(ax, nominal, posture, leg, g, domain.box)
+        _limits(ax, posture, leg, g, domain.box)
     sx, sy, _ = step["search_start"]
     ax.plot([sx], [sy], "+", ms=8, mew=1.3, color=INK, zorder=7)
     look: dict[str, Any] = {"fontsize": 8, "va": "top", "zorder": 7}
     ax.annotate("$I_u$", (sx, sy), xytext=(5, -3), textcoords="offset points", **look)
 
 
-def searched_domain(nominal: NominalGait, posture: Posture, leg: int, step: dict[str, Any]) -> Any:
+def searched_domain(posture: Posture, leg: int, step: dict[str, Any]) -> Any:
     """The domain the step landed in: where method II left nothing, that of the second search."""
-    exits = exits_of(nominal, posture)
     g = float(step["g"])
-    domain = domain_of(nominal, posture.feet, exits, leg, g, True)
+    domain = domain_of(posture, leg, g, True)
     if domain.refuses(*posture.canonical(*step["landing"][:2])) is None:
         return domain
-    return domain_of(nominal, posture.feet, exits, leg, g, False)
+    return domain_of(posture, leg, g, False)
 
 
 def _fill(ax: Axes, posture: Posture, domain: Any, colour: str) -> None:
@@ -77,15 +74,16 @@ def _outline(ax: Axes, posture: Posture, box: Box) -> None:
     ax.plot(*zip(*corners, corners[0], strict=True), color=INK, lw=0.6, ls=":", zorder=2.5)
 
 
-def _limits(ax: Axes, nominal: NominalGait, posture: Posture, leg: int, g: float, box: Box) -> None:
+def _limits(ax: Axes, posture: Posture, leg: int, g: float, box: Box) -> None:
     """The lines of methods I and II from f̄; one line where they all but fall together."""
-    exits = exits_of(nominal, posture)
+    path = posture.nominal.path
+    exits = posture.exits
     foot = posture.feet[FRONT_ACROSS[leg]]
     limit = min(exits[FRONT_ACROSS[leg]], exits[REAR_ACROSS[leg]])
     same = abs(limit - g) < ONE_LINE
     names = ("I = II", "") if same else ("I", "II")
     for name, distance, style in zip(names, (limit, g), ("-", "--"), strict=True):
-        ahead = (distance * nominal.path.ux, distance * nominal.path.uy)
+        ahead = (distance * path.ux, distance * path.uy)
         _line_through(ax, posture, (foot, ahead), box, (name, style))
 
 

@@ -7,6 +7,9 @@ import pytest
 
 from walking_console.planner.crab.gait import standard_stance
 from walking_console.planner.crab.planner import plan_step
+from walking_console.planner.crab.predictive_planner import step_job
+from walking_console.planner.crab.steps import StepRequest
+from walking_console.planner.protocols import run_to_completion
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.stability import (
     MARGIN_SLACK,
@@ -78,7 +81,7 @@ def walk(
     )
     plans = []
     for _ in range(steps):
-        plan = plan_step(stance, command, terrain, machine, settings)
+        plan = plan_step(StepRequest(stance, command, terrain, machine, settings))
         plans.append(plan)
         if isinstance(plan, Blocked):
             break
@@ -86,6 +89,11 @@ def walk(
             look_at(plan, stance, terrain, machine, settings)
         stance = plan.end
     return plans
+
+
+def plan_at_once(request):
+    """The step of mode ``predictive``, without a pause."""
+    return run_to_completion(step_job(request))
 
 
 def progress(plans):

@@ -6,12 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.planner.crab.crab_walks import TITAN, gait, holes, random_stance, relief
+from tests.planner.crab.crab_walks import TITAN, command, gait, holes, random_stance, relief
 from walking_console.planner.crab.candidates import (
     INSET,
     LEAST,
     ON_THE_SPOT,
     STILL_MAX,
+    SearchContext,
     body_shifts,
     near_steps,
     shift_room,
@@ -22,14 +23,14 @@ from walking_console.planner.crab.candidates import (
 )
 from walking_console.planner.crab.decision_log import StepRefusal
 from walking_console.planner.crab.gait import standard_stance
-from walking_console.planner.crab.leg_selection import decide, triangle_of
-from walking_console.planner.crab.recovery import context_of
-from walking_console.planner.crab.steps import Landing, Shift, SwingStep
+from walking_console.planner.crab.leg_selection import triangle_of
+from walking_console.planner.crab.steps import Landing, Shift, StepRequest, SwingStep
 from walking_console.planner.stability import polygon_margin
 
 
 def context(stance, degrees=0.0, terrain=None):
-    return context_of(stance, math.radians(degrees), terrain or holes(span=8.0), TITAN, gait())
+    request = StepRequest(stance, command(degrees), terrain or holes(span=8.0), TITAN, gait())
+    return SearchContext(request, math.radians(degrees))
 
 
 def random_contexts(count, fraction=0.3):
@@ -45,7 +46,7 @@ def bounds(corners):
 
 def test_the_first_near_step_of_the_standard_margin_is_the_papers():
     for found in random_contexts(30):
-        paper = decide(found.nominal, found.start.posture, found.cells)
+        paper = found.paper_step(found.start)
         near = next(near_steps(found, found.start, (found.nominal.margin,), 1), None)
         if paper is not None and near is not None and paper.margin >= LEAST:
             assert (near.leg, near.g0) == (paper.leg, paper.g0)
@@ -73,8 +74,8 @@ def test_a_shift_of_the_body_ends_inside_the_triangle_of_three_legs_with_all_fee
     count = 0
     for found in random_contexts(40):
         posture = found.start.posture
-        x1, x2, y1, y2 = bounds(shift_room(found.nominal, posture.feet))
-        for shift in body_shifts(found, found.start):
+        x1, x2, y1, y2 = bounds(shift_room(posture))
+        for shift in body_shifts(posture):
             count += 1
             assert x1 - 1e-9 <= shift.x <= x2 + 1e-9 and y1 - 1e-9 <= shift.y <= y2 + 1e-9
             inside = [
@@ -102,12 +103,11 @@ def test_many_footholds_are_thinned_evenly():
 def test_a_posture_is_worth_the_way_its_footholds_leave_no_more_than_a_stroke_each():
     stance = standard_stance(TITAN, gait(), 0.0, 0.0, 0.0, 0.0, lambda x, y: 0.0)
     found = context(stance)
-    worth = value_of(found.nominal, found.start.posture)
+    worth = value_of(found.start.posture)
     assert 0.0 < worth < found.nominal.stride
-    ahead = found.start.posture._replace(
-        feet=tuple((x + 9.0, y) for x, y in found.start.posture.feet)
-    )
-    assert value_of(found.nominal, ahead) == pytest.approx(found.nominal.stride)
+    feet = tuple((x + 9.0, y) for x, y in found.start.posture.feet)
+    ahead = replace(found.start.posture, feet=feet)
+    assert value_of(ahead) == pytest.approx(found.nominal.stride)
 
 
 def test_after_enough_steps_on_the_spot_only_one_that_gets_on_is_permitted():

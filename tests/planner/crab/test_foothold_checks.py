@@ -9,7 +9,7 @@ from walking_console.planner.crab.foothold_checks import FootholdChecks
 from walking_console.planner.crab.gait import nominal_gait, posture_of, standard_stance
 from walking_console.planner.crab.leg_selection import decide
 from walking_console.planner.crab.planner import plan_step
-from walking_console.planner.crab.steps import Shift
+from walking_console.planner.crab.steps import Shift, StepRequest
 from walking_console.planner.terrain.cells import foothold_map
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.terrain.traversability import classify
@@ -73,7 +73,7 @@ def test_a_foothold_too_high_for_the_lift_is_refused_and_the_reason_noted():
     stance = standard_stance(TITAN, gait(), 0.0, 0.0, 0.0, 0.0, ledge.height_at)
     reasons = set()
     for _ in range(12):
-        plan = plan_step(stance, command(), ledge, TITAN, gait(), explain=True)
+        plan = plan_step(StepRequest(stance, command(), ledge, TITAN, gait(), explain=True))
         reasons |= {cell["reason"] for trial in plan.decision["legs"] for cell in trial["refused"]}
         if isinstance(plan, Blocked):
             break
@@ -92,7 +92,7 @@ def test_the_leg_that_swings_is_not_swept_through_a_pole():
     stance = standard_stance(TITAN, settings, 0.0, 0.0, 0.0, 0.0, lambda x, y: 0.0)
     nominal = nominal_gait(TITAN, settings, 0.0)
     posture = posture_of(nominal, stance)
-    step = decide(nominal, posture, foothold_map(holes()))
+    step = decide(posture, foothold_map(holes()))
     shift, leg = Shift(step.leg, step.g0, step.g, -1.0, 1.0), nominal.body_leg[step.leg]
     way = (step.g0 + step.g) / 2
     (hip_x, hip_y), (foot_x, foot_y) = TITAN.hips[leg], stance.feet[leg][:2]
@@ -104,6 +104,6 @@ def test_the_leg_that_swings_is_not_swept_through_a_pole():
         row, column = open_ground.cell_at(x, y)
         heights[row, column] = height
         terrain = TerrainMap(heights, open_ground.forbidden, open_ground.cell, open_ground.origin)
-        checks = FootholdChecks(nominal, posture, stance, terrain, TITAN, settings)
+        checks = FootholdChecks(posture, StepRequest(stance, command(), terrain, TITAN, settings))
         assert not checks._new_leg_meets(shift, step.landing, TITAN.height)
         assert checks.refuses(shift, step.landing) == refusal, height

@@ -16,14 +16,15 @@ from walking_console.planner.crab.foothold_search import (
 from walking_console.planner.crab.gait import (
     IS_FRONT,
     IS_LEFT,
-    PREDECESSOR,
+    Posture,
     nominal_gait,
     posture_of,
     standard_stance,
 )
-from walking_console.planner.crab.leg_selection import exits_of, shift_of
+from walking_console.planner.crab.leg_selection import shift_of
 from walking_console.planner.crab.steps import Shift
 from walking_console.planner.geometry.paths import line_exit
+from walking_console.planner.motion.leg_order import PREDECESSOR
 from walking_console.planner.terrain.cells import foothold_map
 
 REACH = TITAN.reach
@@ -32,7 +33,7 @@ RNG_ANGLES = [math.radians(d) for d in (-40, -16, 0, 12, 28, 44)]
 
 
 def cases(count=200, seed=1):
-    """Random standing postures with a leg that can swing: standard walk, posture, exits, shift."""
+    """Random standing postures with a leg that can swing: standard walk, posture, shift."""
     rng, found = np.random.default_rng(seed), 0
     while found < count:
         angle, settings = (
@@ -41,11 +42,17 @@ def cases(count=200, seed=1):
         )
         nominal = nominal_gait(TITAN, settings, angle)
         posture = posture_of(nominal, random_stance(rng))
-        exits = exits_of(nominal, posture)
-        shift = shift_of(nominal, posture, exits, int(rng.integers(4)))
+        shift = shift_of(posture, int(rng.integers(4)))
         if isinstance(shift, Shift):
             found += 1
-            yield rng, nominal, posture, exits, shift
+            yield rng, nominal, posture, shift
+
+
+def reaching(nominal, feet, way):
+    """A posture in which every leg may stay for so much of the body's way."""
+    posture = Posture(nominal, 0.0, 0.0, 1.0, 0.0, feet, -1)
+    posture.__dict__["exits"] = (way,) * 4
+    return posture
 
 
 def test_method_1_is_the_hyperbola_of_17():
@@ -56,7 +63,7 @@ def test_method_1_is_the_hyperbola_of_17():
     for angle in RNG_ANGLES:
         nominal, t = nominal_gait(TITAN, gait(), angle), math.tan(angle)
         feet = ((0.55, 0.41), (-0.4, 0.5), (-0.3, -0.5), (0.5, -0.4))
-        domain = domain_of(nominal, feet, (9.0, 9.0, 9.0, 9.0), 2, 0.1, True)
+        domain = domain_of(reaching(nominal, feet, 9.0), 2, 0.1, True)
         (fx, fy), dx = feet[0], REACH.x0 + REACH.x_span
         for x in np.linspace(-0.65, -0.25, 9):
             y = x * t + (fy - fx * t) * dx / (x - fx + dx) if abs(x - fx + dx) > 1e-9 else math.nan
@@ -65,8 +72,8 @@ def test_method_1_is_the_hyperbola_of_17():
 
 
 def test_the_crossing_distance_is_where_the_course_meets_the_line():
-    for _, nominal, posture, exits, shift in cases(100):
-        domain = domain_of(nominal, posture.feet, exits, shift.leg, shift.g, True)
+    for _, nominal, posture, shift in cases(100):
+        domain = domain_of(posture, shift.leg, shift.g, True)
         px, py = nominal.centres[shift.leg]
         s = domain.crossing(px, py)
         if abs(s) < 5.0:
@@ -104,15 +111,13 @@ def test_the_search_start_is_that_of_table_2(u, angle):
         ahead = [(x_before + delta_x - cx) / c]
         if abs(s) > 1e-9:
             ahead.append((y_before + delta_y - cy) / s)
-        assert phase_point(nominal, exits_of(nominal, posture), u) == pytest.approx(
-            min(ahead), abs=1e-9
-        )
+        assert phase_point(posture, u) == pytest.approx(min(ahead), abs=1e-9)
 
 
 def test_the_stroke_line_in_the_domain_is_what_the_predicates_say():
-    for rng, nominal, posture, exits, shift in cases(300):
+    for rng, nominal, posture, shift in cases(300):
         for convergent in (True, False):
-            domain = domain_of(nominal, posture.feet, exits, shift.leg, shift.g, convergent)
+            domain = domain_of(posture, shift.leg, shift.g, convergent)
             low, high = stroke_in(nominal, domain)
             cx, cy = nominal.centres[shift.leg]
             for t in rng.uniform(-0.4, 0.6, 20):
@@ -126,11 +131,11 @@ def test_the_stroke_line_in_the_domain_is_what_the_predicates_say():
 
 
 def test_every_foothold_offered_is_in_the_domain_on_a_free_cell_and_none_is_offered_twice():
-    for seed, (_, nominal, posture, exits, shift) in enumerate(cases(120)):
+    for seed, (_, _, posture, shift) in enumerate(cases(120)):
         ground, terrain = foothold_map(holes(0.5, seed, 4.0)), holes(0.5, seed, 4.0)
-        domain = domain_of(nominal, posture.feet, exits, shift.leg, shift.g, True)
+        domain = domain_of(posture, shift.leg, shift.g, True)
         seen = set()
-        for start, landing in landings(nominal, posture, domain, exits, ground):
+        for start, landing in landings(posture, domain, ground):
             assert terrain.allows(landing.ax, landing.ay)
             assert domain.refuses(landing.x, landing.y) is None
             assert posture.absolute(landing.x, landing.y) == pytest.approx(
@@ -146,12 +151,12 @@ def test_every_foothold_offered_is_in_the_domain_on_a_free_cell_and_none_is_offe
 
 
 def test_every_free_cell_of_the_domain_is_offered():
-    for seed, (_, nominal, posture, exits, shift) in enumerate(cases(60, seed=7)):
+    for seed, (_, _, posture, shift) in enumerate(cases(60, seed=7)):
         terrain = holes(0.6, seed, 4.0)
-        domain = domain_of(nominal, posture.feet, exits, shift.leg, shift.g, False)
+        domain = domain_of(posture, shift.leg, shift.g, False)
         offered = {
             terrain.cell_at(landing.ax, landing.ay)
-            for start, landing in landings(nominal, posture, domain, exits, foothold_map(terrain))
+            for start, landing in landings(posture, domain, foothold_map(terrain))
             if (landing.x, landing.y) != start
         }
         free = set()
@@ -173,10 +178,9 @@ def test_the_search_goes_sideways_first_then_row_by_row_from_the_stroke_line():
     posture = posture_of(
         nominal, standard_stance(TITAN, gait(), 0.0, 0.0, 0.0, 0.0, terrain.height_at)
     )
-    exits = exits_of(nominal, posture)
-    shift = shift_of(nominal, posture, exits, 2)
-    domain = domain_of(nominal, posture.feet, exits, 2, shift.g, True)
-    found = landings(nominal, posture, domain, exits, foothold_map(terrain))
+    shift = shift_of(posture, 2)
+    domain = domain_of(posture, 2, shift.g, True)
+    found = landings(posture, domain, foothold_map(terrain))
     start, *cells = [terrain.cell_at(landing.ax, landing.ay) for _, landing in found]
     columns = [column for _, column in cells]
     assert columns == sorted(columns, reverse=True), (
@@ -206,8 +210,8 @@ def test_beside_a_forbidden_search_start_the_foot_lands_on_a_cell_centre():
 
 def test_the_nearest_point_of_the_domain_is_in_it_and_no_cell_is_nearer():
     grid = holes(0.0, span=4.0)
-    for rng, nominal, posture, exits, shift in cases(150, seed=3):
-        domain = domain_of(nominal, posture.feet, exits, shift.leg, shift.g, True)
+    for rng, nominal, posture, shift in cases(150, seed=3):
+        domain = domain_of(posture, shift.leg, shift.g, True)
         x, y = rng.uniform(-1, 1, 2)
         nearest = nearest_in(domain, x, y)
         fx, fy = posture.feet[(3, 3, 0, 0)[shift.leg]]
@@ -215,24 +219,23 @@ def test_the_nearest_point_of_the_domain_is_in_it_and_no_cell_is_nearer():
         if nearest is None or not opposite:
             continue
         away = math.hypot(nearest[0] - x, nearest[1] - y)
-        for _, landing in landings(nominal, posture, domain, exits, foothold_map(grid)):
+        for _, landing in landings(posture, domain, foothold_map(grid)):
             assert math.hypot(landing.x - x, landing.y - y) >= away - 1e-6
 
 
 def test_a_domain_may_be_empty():
     nominal = nominal_gait(TITAN, gait(), 0.0)
     posture = posture_of(nominal, random_stance(np.random.default_rng(0)))
-    domain = domain_of(nominal, posture.feet, (0.0, 0.0, 0.0, 0.0), 2, 0.0, False)._replace(
-        limit=-5.0
-    )
+    stuck = reaching(nominal, posture.feet, 0.0)
+    domain = domain_of(stuck, 2, 0.0, False)._replace(limit=-5.0)
     assert nearest_in(domain, 0.0, 0.0) is None
-    assert list(landings(nominal, posture, domain, (0.0,) * 4, foothold_map(holes()))) == []
+    assert list(landings(stuck, domain, foothold_map(holes()))) == []
 
 
 def test_own_exit_is_what_method_1_compares_with():
-    for _, nominal, posture, exits, shift in cases(50, seed=9):
-        domain = domain_of(nominal, posture.feet, exits, shift.leg, shift.g, True)
-        for _, landing in landings(nominal, posture, domain, exits, foothold_map(holes(span=4.0))):
+    for _, nominal, posture, shift in cases(50, seed=9):
+        domain = domain_of(posture, shift.leg, shift.g, True)
+        for _, landing in landings(posture, domain, foothold_map(holes(span=4.0))):
             if domain.hind:
                 own = line_exit(
                     landing.x, landing.y, nominal.boxes[shift.leg], nominal.path.ux, nominal.path.uy

@@ -17,7 +17,6 @@ from walking_console.planner.crab.gait import (
     quarter_turned,
     quarter_turns,
     standard_stance,
-    touchdown_phases,
 )
 from walking_console.planner.crab.leg_selection import return_length
 from walking_console.planner.geometry.paths import ArcPath
@@ -116,17 +115,13 @@ def test_exactly_at_the_critical_angle_the_machine_walks_on(duty_factor):
     assert min(plan.margin_min - plan.standard_margin for plan in plans) > -1e-6
 
 
-def test_legs_land_in_the_phases_of_figure_5():
-    assert touchdown_phases(0.8) == (0.0, 0.8, pytest.approx(0.3), 0.5)
-
-
 def test_at_a_switching_point_the_last_foot_is_at_the_front_of_its_stroke():
     for degrees in range(-180, 181, 15):
         settings, angle = gait(), math.radians(degrees)
         stance = standard_stance(TITAN, settings, angle, 1.0, -2.0, 0.3, FLAT)
         nominal = nominal_gait(TITAN, settings, angle)
         posture = posture_of(nominal, stance)
-        assert return_length(nominal, posture, posture.last) == pytest.approx(0.0, abs=1e-12)
+        assert return_length(posture, posture.last) == pytest.approx(0.0, abs=1e-12)
         for i, (x, y) in enumerate(posture.feet):
             box = nominal.boxes[i]
             assert box[0] - 1e-9 <= x <= box[1] + 1e-9 and box[2] - 1e-9 <= y <= box[3] + 1e-9

@@ -9,7 +9,6 @@ from tests.planner.crab.crab_walks import TITAN, Blocked, command, gait, holes, 
 from walking_console.planner.crab.decision_log import StepRefusal
 from walking_console.planner.crab.gait import (
     IS_FRONT,
-    SUCCESSOR,
     Posture,
     nominal_gait,
     posture_of,
@@ -21,18 +20,18 @@ from walking_console.planner.crab.leg_selection import (
     agreeing_pairs,
     changes_nothing,
     decide,
-    exits_of,
     leg_order,
     return_length,
     shift_of,
 )
+from walking_console.planner.motion.leg_order import SUCCESSOR
 from walking_console.planner.terrain.cells import foothold_map
 
 AHEAD = nominal_gait(TITAN, gait(), 0.0)
 
 
-def posture(*feet, last=-1):
-    return Posture(0.0, 0.0, 1.0, 0.0, feet, last)
+def posture(*feet, last=-1, nominal=AHEAD):
+    return Posture(nominal, 0.0, 0.0, 1.0, 0.0, feet, last)
 
 
 @pytest.mark.parametrize(
@@ -50,7 +49,7 @@ def test_the_body_may_go_until_the_foot_leaves_its_reach(degrees, leg, foot, g):
     nominal = nominal_gait(TITAN, gait(), math.radians(degrees))
     feet = [tuple(centre) for centre in nominal.centres]
     feet[leg] = foot
-    assert exits_of(nominal, posture(*feet))[leg] == pytest.approx(g)
+    assert posture(*feet, nominal=nominal).exits[leg] == pytest.approx(g)
 
 
 S0 = AHEAD.margin
@@ -70,7 +69,7 @@ def front_posture(crossing, slack=0.4):
 )
 def test_every_case_of_13(crossing, case):
     stance = front_posture(crossing, slack=0.12 if case == "d" else 0.4)
-    shift = shift_of(AHEAD, stance, exits_of(AHEAD, stance), 0)
+    shift = shift_of(stance, 0)
     if case == "a":
         assert shift is StepRefusal.LEFT
     else:
@@ -98,8 +97,8 @@ def hind_posture(crossing, slack=0.4):
 )
 def test_every_case_of_14(crossing, slack, g0):
     stance = hind_posture(crossing, slack)
-    exits = exits_of(AHEAD, stance)
-    shift = shift_of(AHEAD, stance, exits, 2)
+    exits = stance.exits
+    shift = shift_of(stance, 2)
     if g0 is None:
         assert shift is StepRefusal.TOO_LATE
     else:
@@ -114,7 +113,7 @@ def test_a_hind_step_is_cut_at_the_far_end_of_the_triangle():
     for _ in range(500):
         seen = posture_of(nominal, random_stance(rng))
         for leg in (1, 2):
-            shift = shift_of(nominal, seen, exits_of(nominal, seen), leg)
+            shift = shift_of(seen, leg)
             if not isinstance(shift, StepRefusal):
                 assert shift.g <= shift.high + 1e-12 or shift.g == shift.g0
                 assert shift.g0 <= shift.g
@@ -122,8 +121,7 @@ def test_a_hind_step_is_cut_at_the_far_end_of_the_triangle():
 
 def test_a_smaller_margin_may_be_asked_for():
     stance = front_posture(0.1)
-    exits = exits_of(AHEAD, stance)
-    wide, narrow = (shift_of(AHEAD, stance, exits, 0, margin=m) for m in (S0, 0.0))
+    wide, narrow = (shift_of(stance, 0, margin=m) for m in (S0, 0.0))
     assert narrow.g == pytest.approx(wide.g + S0)
 
 
@@ -137,13 +135,13 @@ def test_in_the_standard_layout_the_standard_leg_swings_next(degrees, duty_facto
         standard_stance(TITAN, settings, math.radians(degrees), 0.0, 0.0, 0.0, lambda x, y: 0.0),
     )
     for _ in range(8):
-        order = leg_order(nominal, seen, exits_of(nominal, seen))
+        order = leg_order(seen)
         assert order[0][0] == SUCCESSOR[seen.last]
-        assert agreeing_pairs(nominal, seen, order[0][0]) == 2
+        assert agreeing_pairs(seen, order[0][0]) == 2
         assert seen.last not in [leg for leg, _ in order]
-        step = decide(nominal, seen, foothold_map(holes()))
+        step = decide(seen, foothold_map(holes()))
         assert step.margin == pytest.approx(nominal.margin, abs=1e-9)
-        seen = after(nominal, seen, step)
+        seen = after(seen, step)
 
 
 def test_where_nothing_agrees_the_longest_return_goes_first():
@@ -151,13 +149,13 @@ def test_where_nothing_agrees_the_longest_return_goes_first():
     found = 0
     for _ in range(300):
         seen = posture_of(AHEAD, random_stance(rng))
-        order = leg_order(AHEAD, seen, exits_of(AHEAD, seen))
+        order = leg_order(seen)
         able = [leg for leg, shift in order if isinstance(shift, Shift)]
         assert [leg for leg, _ in order][: len(able)] == able, (
             "a leg that cannot swing is not at the back"
         )
-        if able and not any(agreeing_pairs(AHEAD, seen, leg) for leg in able):
-            returns = [return_length(AHEAD, seen, leg) for leg in able]
+        if able and not any(agreeing_pairs(seen, leg) for leg in able):
+            returns = [return_length(seen, leg) for leg in able]
             assert returns == sorted(returns, reverse=True)
             found += 1
     assert found > 50
@@ -169,9 +167,9 @@ def test_the_cheap_roll_out_agrees_with_the_plan():
     nominal = nominal_gait(TITAN, settings, angle)
     seen = posture_of(nominal, stance)
     for plan in walk(command(28), 20, ground, settings, stance):
-        step = decide(nominal, seen, foothold_map(ground))
+        step = decide(seen, foothold_map(ground))
         assert nominal.body_leg[step.leg] == plan.swing[0]
-        seen = after(nominal, seen, step)
+        seen = after(seen, step)
         expected = posture_of(nominal, plan.end)
         assert seen.last == expected.last
         np.testing.assert_allclose(seen.feet, expected.feet, atol=1e-9)
@@ -186,17 +184,17 @@ def test_no_step_is_taken_that_changes_nothing():
         nominal = nominal_gait(TITAN, settings, angle)
         seen = posture_of(nominal, stance)
         for _ in range(30):
-            step = decide(nominal, seen, foothold_map(ground))
+            step = decide(seen, foothold_map(ground))
             if step is None:
                 break
-            assert not changes_nothing(seen, step)
-            seen = after(nominal, seen, step)
+            assert not changes_nothing(seen, step, step.landing)
+            seen = after(seen, step)
 
 
 def test_the_log_names_every_leg_that_was_tried_and_why_it_was_not_taken():
     rng, log = np.random.default_rng(11), {}
     ground = foothold_map(holes(1.0))
-    assert decide(AHEAD, posture_of(AHEAD, random_stance(rng)), ground, log=log) is None
+    assert decide(posture_of(AHEAD, random_stance(rng)), ground, log=log) is None
     assert len({trial["leg"] for trial in log["legs"]}) >= 3
     assert all(trial["reason"] for trial in log["legs"])
 

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from tests.planner.crab.crab_walks import TITAN, gait, holes, random_stance
+from tests.planner.crab.crab_walks import TITAN, command, gait, holes, random_stance
+from walking_console.planner.crab.candidates import SearchContext
 from walking_console.planner.crab.gait import standard_stance
-from walking_console.planner.crab.leg_selection import decide
 from walking_console.planner.crab.lookahead_search import (
     BACK_STEPS,
     DEPTH,
@@ -21,8 +21,7 @@ from walking_console.planner.crab.lookahead_search import (
     standard_way,
     stays_standard,
 )
-from walking_console.planner.crab.recovery import context_of
-from walking_console.planner.crab.steps import BodyShift
+from walking_console.planner.crab.steps import BodyShift, StepRequest
 from walking_console.planner.protocols import run_to_completion
 from walking_console.planner.terrain.map import TerrainMap
 
@@ -34,18 +33,19 @@ def standing(degrees=0.0):
 
 
 def context(stance, degrees=0.0, terrain=OPEN):
-    return context_of(stance, math.radians(degrees), terrain, TITAN, gait())
+    request = StepRequest(stance, command(degrees), terrain, TITAN, gait())
+    return SearchContext(request, math.radians(degrees))
 
 
 def papers(found):
-    return decide(found.nominal, found.start.posture, found.cells, found.accepts(found.start))
+    return found.paper_step(found.start)
 
 
 @pytest.mark.parametrize("degrees", [0, 30, 90, -135])
 def test_in_the_standard_walk_on_open_ground_the_papers_step_is_taken_without_a_search(degrees):
     found = context(standing(degrees), degrees)
     paper = papers(found)
-    assert is_standard_step(found.nominal, found.start.posture, paper)
+    assert is_standard_step(found.start.posture, paper)
     result = run_to_completion(choose(found, paper))
     assert (result.search, result.horizon) == ("paper", 1)
     assert [way.first for way in result.ways] == [paper]

@@ -21,6 +21,7 @@ from tests.planner.crab.crab_walks import (
 )
 from walking_console.planner.crab.gait import standard_stance
 from walking_console.planner.crab.planner import plan_step
+from walking_console.planner.crab.steps import StepRequest
 from walking_console.planner.robot.model import MachineError, load_machine
 from walking_console.planner.types import Command
 
@@ -133,7 +134,7 @@ def test_a_plan_cannot_be_changed():
 
 def test_with_nowhere_to_land_it_says_of_every_leg_why():
     stance = standard_stance(TITAN, gait(), 0.0, 0.0, 0.0, 0.0, lambda x, y: 0.0)
-    blocked = plan_step(stance, command(), holes(1.0), TITAN, gait())
+    blocked = plan_step(StepRequest(stance, command(), holes(1.0), TITAN, gait()))
     assert isinstance(blocked, Blocked)
     assert blocked.leg == 2
     for leg in (1, 2, 3, 4):
@@ -145,8 +146,8 @@ def test_asked_to_explain_it_tells_legs_limits_and_refused_cells():
     ground = holes(0.7, seed=8)
     stance = standard_stance(TITAN, gait(), 0.0, 0.0, 0.0, 0.0, ground.height_at)
     for _ in range(10):
-        plan = plan_step(stance, command(), ground, TITAN, gait(), explain=True)
-        silent = plan_step(stance, command(), ground, TITAN, gait())
+        plan = plan_step(StepRequest(stance, command(), ground, TITAN, gait(), explain=True))
+        silent = plan_step(StepRequest(stance, command(), ground, TITAN, gait()))
         decision = plan.decision
         json.dumps(decision, allow_nan=False)
         assert decision["legs"] and {"leg", "agreeing_pairs", "return_length"} <= set(

@@ -14,12 +14,14 @@ from tests.planner.crab.crab_walks import (
     gait,
     holes,
     look_at,
+    plan_at_once,
     random_stance,
     relief,
 )
 from walking_console.planner.crab.gait import is_standard, off_standard, standard_stance
 from walking_console.planner.crab.planner import plan_step
-from walking_console.planner.crab.predictive_planner import plan_at_once, step_job
+from walking_console.planner.crab.predictive_planner import step_job
+from walking_console.planner.crab.steps import StepRequest
 from walking_console.planner.stability import MARGIN_SLACK, polygon_margin, support_polygon
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.types import Blocked, Phase, Stance, StepPlan
@@ -39,7 +41,7 @@ def walk(order, steps, terrain, stance=None, settings=None):
     )
     plans = []
     for _ in range(steps):
-        plan = plan_at_once(stance, order, terrain, TITAN, settings)
+        plan = plan_at_once(StepRequest(stance, order, terrain, TITAN, settings))
         plans.append(plan)
         if isinstance(plan, Blocked):
             break
@@ -69,10 +71,11 @@ def test_on_open_ground_it_takes_the_papers_steps_and_does_not_search(degrees):
     terrain, settings, order = holes(), gait(), command(degrees)
     stance = start(degrees, settings, terrain)
     for _ in range(12):
-        thinking = step_job(stance, order, terrain, TITAN, settings)
+        thinking = step_job(StepRequest(stance, order, terrain, TITAN, settings))
         with pytest.raises(StopIteration) as done:
             next(thinking)
-        plan, paper = done.value.value, plan_step(stance, order, terrain, TITAN, settings)
+        plan = done.value.value
+        paper = plan_step(StepRequest(stance, order, terrain, TITAN, settings))
         assert plan.end == paper.end
         assert np.array_equal(plan.times, paper.times) and np.array_equal(plan.feet, paper.feet)
         stance = plan.end
@@ -156,7 +159,7 @@ def test_a_thought_that_is_wanted_now_ends_with_a_step_that_holds_good(seed):
     terrain, settings, order = holes(0.5, seed=seed), gait(), command(20)
     stance = start(20, settings, terrain)
     for _ in range(6):
-        thinking = step_job(stance, order, terrain, TITAN, settings)
+        thinking = step_job(StepRequest(stance, order, terrain, TITAN, settings))
         for pieces in range(40):
             try:
                 thinking.send(True if pieces > 2 else None)
@@ -173,14 +176,15 @@ def test_a_thought_that_is_wanted_now_ends_with_a_step_that_holds_good(seed):
 def test_thinking_twice_comes_to_the_same_step():
     terrain, settings, order = holes(0.8, seed=7), gait(), command(45)
     stance = start(45, settings, terrain)
-    first, again = (plan_at_once(stance, order, terrain, TITAN, settings) for _ in range(2))
+    request = StepRequest(stance, order, terrain, TITAN, settings)
+    first, again = (plan_at_once(request) for _ in range(2))
     assert first.end == again.end and np.array_equal(first.times, again.times)
 
 
 def test_asked_why_it_names_every_candidate_with_its_score():
     terrain, settings, order = holes(0.5, seed=3), gait(), command(0)
     stance = start(0, settings, terrain)
-    plan = plan_at_once(stance, order, terrain, TITAN, settings, explain=True)
+    plan = plan_at_once(StepRequest(stance, order, terrain, TITAN, settings, explain=True))
     lookahead = plan.decision["lookahead"]
     assert lookahead["search"] in ("near", "wide")
     best = lookahead["candidates"][0]

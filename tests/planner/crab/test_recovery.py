@@ -8,10 +8,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.planner.crab.crab_walks import TITAN, command, gait, holes, look_at, random_stance
+from tests.planner.crab.crab_walks import (
+    TITAN,
+    command,
+    gait,
+    holes,
+    look_at,
+    plan_at_once,
+    random_stance,
+)
 from walking_console.planner.crab import predictive_planner, recovery
 from walking_console.planner.crab.gait import nominal_gait, standard_stance
-from walking_console.planner.crab.predictive_planner import plan_at_once
+from walking_console.planner.crab.steps import StepRequest
 from walking_console.planner.motion.strides import STRETCHED_LIFT_ROOM
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.types import Blocked, StepPlan
@@ -60,7 +68,7 @@ def walk(order, terrain, until, steps=60, stance=None):
     ux, uy = math.cos(order.crab_angle), math.sin(order.crab_angle)
     plans = []
     for _ in range(steps):
-        plan = plan_at_once(stance, order, terrain, TITAN, settings, explain=True)
+        plan = plan_at_once(StepRequest(stance, order, terrain, TITAN, settings, explain=True))
         plans.append((stance, plan))
         if isinstance(plan, Blocked):
             break
@@ -144,12 +152,12 @@ def without_stretching(monkeypatch):
 def test_a_course_within_the_cone_is_taken_where_the_commanded_one_ends(seed, monkeypatch):
     without_stretching(monkeypatch)
     stance, order, terrain = among_few_footholds(seed)
-    plan = plan_at_once(stance, order, terrain, TITAN, gait(), explain=True)
+    plan = plan_at_once(StepRequest(stance, order, terrain, TITAN, gait(), explain=True))
     assert isinstance(plan, StepPlan) and plan.decision["escape"] == "cone"
     aside = abs(math.degrees(plan.crab_angle - order.crab_angle))
     assert not plan.swing or aside in (pytest.approx(15.0, abs=0.6), pytest.approx(30.0, abs=0.6))
     monkeypatch.setattr(recovery, "CONE", ())
-    assert isinstance(plan_at_once(stance, order, terrain, TITAN, gait()), Blocked)
+    assert isinstance(plan_at_once(StepRequest(stance, order, terrain, TITAN, gait())), Blocked)
 
 
 @pytest.mark.parametrize("seed", [795, 839])

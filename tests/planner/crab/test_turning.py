@@ -10,6 +10,7 @@ import pytest
 from tests.planner.crab.crab_walks import TITAN, gait, holes, random_stance
 from walking_console.planner.crab.gait import nominal_gait_on, standard_stance
 from walking_console.planner.crab.planner import plan_step
+from walking_console.planner.crab.steps import StepRequest
 from walking_console.planner.crab.turning import turns
 from walking_console.planner.geometry.paths import ArcPath, arc_exit, arc_of_command
 from walking_console.planner.stability import (
@@ -41,7 +42,7 @@ def walk(command, turned, terrain=LEVEL, duty_factor=0.8, stance=None, steps=600
     )
     plans, yaw = [], stance.body[3]
     for _ in range(steps):
-        plan = plan_step(stance, command, terrain, TITAN, settings)
+        plan = plan_step(StepRequest(stance, command, terrain, TITAN, settings))
         plans.append(plan)
         if isinstance(plan, Blocked):
             break
@@ -243,7 +244,8 @@ def test_with_feet_at_the_edges_of_their_reach_it_gets_on_within_seven_steps(fra
 def test_it_answers_alike_every_time_and_says_why_when_asked():
     settings, command = gait(), on_circle(1.0, 20.0)
     stance = standard_stance(TITAN, settings, 0.0, 0.0, 0.0, 0.0, LEVEL.height_at)
-    one, two = (plan_step(stance, command, LEVEL, TITAN, settings, explain=True) for _ in range(2))
+    request = StepRequest(stance, command, LEVEL, TITAN, settings, explain=True)
+    one, two = (plan_step(request) for _ in range(2))
     assert np.array_equal(one.feet, two.feet) and one.decision == two.decision
     candidates = one.decision["lookahead"]["candidates"]
     assert candidates[0]["score"] >= candidates[-1]["score"]
@@ -255,8 +257,8 @@ def test_a_step_of_a_turn_says_of_every_leg_what_came_of_it(radius):
     stance = standard_stance(TITAN, settings, 0.0, 0.0, 0.0, 0.0, terrain.height_at)
     reasons, cells = set(), 0
     for _ in range(30):
-        plan = plan_step(stance, command, terrain, TITAN, settings, explain=True)
-        silent = plan_step(stance, command, terrain, TITAN, settings)
+        plan = plan_step(StepRequest(stance, command, terrain, TITAN, settings, explain=True))
+        silent = plan_step(StepRequest(stance, command, terrain, TITAN, settings))
         assert np.array_equal(plan.feet, silent.feet) and silent.decision is None, (
             "explaining changed the plan"
         )
@@ -285,7 +287,7 @@ def test_where_no_foot_may_land_it_says_so():
     stance = standard_stance(TITAN, gait(), 0.0, 0.0, 0.0, 0.0, LEVEL.height_at)
     command, plans = on_circle(0.0), []
     for _ in range(12):
-        plan = plan_step(stance, command, holes(1.0), TITAN, gait())
+        plan = plan_step(StepRequest(stance, command, holes(1.0), TITAN, gait()))
         plans.append(plan)
         if isinstance(plan, Blocked):
             break

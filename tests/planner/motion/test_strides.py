@@ -4,14 +4,18 @@ import math
 
 import pytest
 
+from walking_console.planner.geometry.paths import ArcPath, arc_exit
 from walking_console.planner.motion.strides import (
     LIFT_ROOM,
     STRETCHED_LIFT_ROOM,
+    STROKE_MAX,
+    centres_of,
     critical_angle,
     kept,
     mechanical_boxes,
     planning_boxes,
     stroke_length,
+    strokes_on,
 )
 from walking_console.planner.robot.model import load_machine
 
@@ -54,3 +58,19 @@ def test_stretched_legs_are_planned_for_just_inside_their_mechanical_reach():
         assert [abs(a - b) for a, b in zip(near, box, strict=True)] == pytest.approx(
             [STRETCHED_LIFT_ROOM] * 4
         )
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.3, -1.0])
+def test_every_foot_stays_in_its_reach_for_the_stroke_the_legs_share(turn):
+    path = ArcPath(1.0, 0.0, turn)
+    boxes = planning_boxes(TITAN, 0, stretched=False)
+    strokes = strokes_on(boxes, path)
+    assert strokes.centres == centres_of(boxes) and 0.0 < strokes.length <= STROKE_MAX
+    for centre, end, spare, box in zip(
+        strokes.centres, strokes.ends, strokes.spares, boxes, strict=True
+    ):
+        assert end + spare == pytest.approx(arc_exit(*centre, box, path), abs=1e-9)
+        back = arc_exit(*centre, box, path.reversed())
+        assert strokes.length - end <= back + 1e-9
+    if turn == 0.0:
+        assert strokes.length == pytest.approx(stroke_length(0.5, 0.35, 0.0))

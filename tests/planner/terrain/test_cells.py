@@ -7,8 +7,11 @@ import pytest
 
 from walking_console.planner.terrain.cells import (
     FootholdMap,
+    cells_across,
+    cells_around,
     disc_of,
     foothold_map,
+    one_of_each_block,
     outward,
     span_of,
 )
@@ -53,3 +56,43 @@ def test_a_disc_has_every_cell_within_its_radius_the_nearest_first():
     assert away == sorted(away) and away[-1] <= 0.35
     around = [(c, r) for c in range(-4, 5) for r in range(-4, 5)]
     assert {(c, r) for c, r, _ in cells} == {p for p in around if math.hypot(*p) * 0.1 <= 0.35}
+
+
+def half_free() -> FootholdMap:
+    forbidden = np.random.default_rng(3).random((40, 40)) < 0.5
+    return foothold_map(TerrainMap(np.zeros((40, 40)), forbidden, 0.05, (-1.0, -1.0)))
+
+
+@pytest.mark.parametrize("course", [(1.0, 0.2), (-1.0, 0.4), (0.1, 1.0), (-0.3, -1.0)])
+def test_rows_across_a_course_have_every_free_cell_of_the_area_once(course):
+    cells, area = half_free(), (-0.4, 0.6, -0.5, 0.3)
+    found = list(cells_across(cells, area, (0.1, 0.0), course))
+    centres = [(x, y) for x, y, free in cells_across(cells, area, (0.1, 0.0), course, every=True)]
+    assert len(set(centres)) == len(centres) == 20 * 16
+    assert all(free and cells.allows(x, y) for x, y, free in found)
+    assert len(found) == sum(cells.allows(x, y) for x, y in centres)
+    along = 0 if abs(course[0]) >= abs(course[1]) else 1
+    rows = [round(centre[along], 6) for centre in centres]
+    changes = sum(a != b for a, b in zip(rows, rows[1:], strict=False))
+    assert changes == len(set(rows)) - 1, "a row is not finished before the next"
+
+
+def test_of_each_block_the_first_free_cell_that_is_wanted_is_given():
+    cells = half_free()
+
+    def right(x: float, y: float) -> tuple[float, float] | None:
+        return (x, y) if x > 0.0 else None
+
+    found = list(one_of_each_block(cells, (-0.6, 0.6, -0.6, 0.6), 0.2, right))
+    assert found and all(x > 0.0 and cells.allows(x, y) for x, y in found)
+    blocks = [(math.floor((x + 1.0) / 0.2), math.floor((y + 1.0) / 0.2)) for x, y in found]
+    assert len(set(blocks)) == len(blocks)
+
+
+def test_cells_around_a_place_come_from_the_nearest_on():
+    cells = half_free()
+    free = list(cells_around(cells, (0.31, -0.12), 0.3))
+    every = list(cells_around(cells, (0.31, -0.12), 0.3, every=True))
+    away = [distance for _, _, distance in every]
+    assert away == sorted(away) and away[-1] <= 0.3
+    assert free == [cell for cell in every if cells.allows(*cell[:2])] and len(free) < len(every)

@@ -95,3 +95,12 @@ def test_a_map_may_bring_its_own_forbidden_cells():
 def test_what_is_no_map_is_refused(heights, cell, said):
     with pytest.raises(ValueError, match=said):
         TerrainMap.from_heights(heights, cell, MACHINE)
+
+
+def test_a_rectangle_is_free_when_it_is_on_the_map_and_has_no_prohibited_cell():
+    forbidden = np.zeros((20, 20), dtype=bool)
+    forbidden[10, 15] = True  # around (0.275, 0.025)
+    ground = TerrainMap(np.zeros((20, 20)), forbidden, 0.05, (-0.5, -0.5))
+    assert ground.is_free(-0.49, 0.24, -0.49, 0.49)
+    assert not ground.is_free(-0.49, 0.26, -0.49, 0.49)
+    assert not ground.is_free(-0.51, 0.0, 0.0, 0.1)
