@@ -19,9 +19,12 @@ from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from .problems import problem
+from .uploads import UPLOAD_MAX
 
 BODY_MAX = 1024 * 1024  # bytes
 BODY_TIME = 10.0  # s a body may take
+UPLOADS = "/api/v1/uploads/"  # where files come in, which are larger and may take
+UPLOAD_TIME = 120.0  # s
 LOOPBACK = ("localhost", "127.0.0.1", "::1")
 SAFE_METHODS = ("GET", "HEAD", "OPTIONS")
 COOKIE = "walking-console-token"
@@ -149,33 +152,41 @@ def _foreign(headers: Headers, authorities: Iterable[str]) -> str:
 
 async def _whole_body(scope: Scope, receive: Receive) -> bytes | Response:
     """The body, or the refusal of one that is too long or too slow."""
+    limit, time = _limits(scope)
     declared = Headers(scope=scope).get("content-length", "0")
-    if not declared.isdigit() or int(declared[:18]) > BODY_MAX:
-        return _too_long()
+    if not declared.isdigit() or int(declared[:18]) > limit:
+        return _too_long(limit)
     try:
-        async with asyncio.timeout(BODY_TIME):
-            return await _gathered(receive)
+        async with asyncio.timeout(time):
+            return await _gathered(receive, limit)
     except TimeoutError:
-        return problem(408, f"a body may take {BODY_TIME:g} s", headers={"connection": "close"})
+        return problem(408, f"a body may take {time:g} s", headers={"connection": "close"})
 
 
-async def _gathered(receive: Receive) -> bytes | Response:
+def _limits(scope: Scope) -> tuple[int, float]:
+    """How many bytes a body may have, and how long it may take."""
+    if scope["method"] == "PUT" and _route(scope).startswith(UPLOADS):
+        return UPLOAD_MAX, UPLOAD_TIME
+    return BODY_MAX, BODY_TIME
+
+
+async def _gathered(receive: Receive, limit: int) -> bytes | Response:
     """Every part of the body, as long as it stays within its limit."""
-    body: bytes = b""
+    body = bytearray()
     while True:
         message = await receive()
         if message["type"] == "http.disconnect":
             return problem(400, "the body broke off")
         part: bytes = message.get("body", b"")
         body += part
-        if len(body) > BODY_MAX:
-            return _too_long()
+        if len(body) > limit:
+            return _too_long(limit)
         if not message.get("more_body", False):
-            return body
+            return bytes(body)
 
 
-def _too_long() -> Response:
-    return problem(413, f"a body may have {BODY_MAX} bytes", headers={"connection": "close"})
+def _too_long(limit: int) -> Response:
+    return problem(413, f"a body may have {limit} bytes", headers={"connection": "close"})
 
 
 def _replay(body: bytes, receive: Receive) -> Receive:

@@ -14,14 +14,21 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, PrivateAttr, model_validator
+from pydantic import Field, PlainValidator, PrivateAttr, model_validator
+from pydantic_core import PydanticCustomError
 
 from walking_console.planner import registry
 from walking_console.planner.config import PlannerConfig, configured
 from walking_console.planner.geometry.paths import Box
 from walking_console.planner.geometry.transforms import Pose, direction, placed
 from walking_console.planner.registry import DEFAULT_MODE, DEFAULT_PLANNER
-from walking_console.planner.robot.model import Machine
+from walking_console.planner.robot.model import (
+    Machine,
+    MachineError,
+    as_data,
+    load_machine,
+    machine_from,
+)
 from walking_console.planner.types import Gait
 
 from .plants import DEFAULT_PLANT, PLANTS
@@ -31,6 +38,7 @@ from .tables import Registered, Table
 from .terrain.generators import SEED_MAX, AnyTerrain, Flat
 from .trace_tables import Trace
 
+ROBOT_NAME_MAX = 500  # letters
 TIME_LIMIT = 600.0  # s, when [end] names no time
 
 PlannerName = Annotated[str, Registered(registry.planner_names)]
@@ -39,7 +47,34 @@ PlantName = Annotated[str, Registered(PLANTS.keys)]
 
 
 class ScenarioError(ValueError):
-    """A scenario that cannot be used; the message is one clear line."""
+    """A scenario that cannot be used; the message is one clear line, ``faults`` holds every one of
+    them where there are more than the line shows.
+    """
+
+    def __init__(self, message: str, faults: Sequence[str] = ()) -> None:
+        super().__init__(message)
+        self.faults = tuple(faults) or (message,)
+
+
+def _robot(value: Any) -> str | dict[str, Any]:
+    """A robot's name, the path of its file, or what such a file holds; every fault of the last is
+    said.
+    """
+    if isinstance(value, str) and 1 <= len(value) <= ROBOT_NAME_MAX:
+        return value
+    if not isinstance(value, Mapping):
+        expected = f"a robot's name of 1 to {ROBOT_NAME_MAX} letters, or a table as in a robot file"
+        raise PydanticCustomError(
+            "robot_type", "Input should be {expected}", {"expected": expected}
+        )
+    try:
+        return as_data(machine_from(value))
+    except MachineError as error:
+        said = {"faults": list(error.faults), "message": str(error)}
+        raise PydanticCustomError("robot_table", "{message}", said) from None
+
+
+Robot = Annotated[str | dict[str, Any], PlainValidator(_robot)]
 
 
 class Scenario(Table):
@@ -47,7 +82,7 @@ class Scenario(Table):
 
     name: str = Field(default="", max_length=200)  # the file's, when not given
     title: str = Field(default="", max_length=500)
-    robot: str = Field(default="titan3", min_length=1, max_length=500)
+    robot: Robot = "titan3"  # a name, a path, or the robot itself as a table
     planner: PlannerName = DEFAULT_PLANNER
     # that of its planner, when not given; naive: only to show what H fig. 6(c) shows
     mode: ModeName = DEFAULT_MODE
@@ -109,6 +144,12 @@ class Scenario(Table):
                 f"{declared.duty_factor_min:g}, got {self.gait.duty_factor:g}"
             )
         return self
+
+    def machine(self) -> Machine:
+        """The machine it names or holds. Raises ``MachineError``."""
+        if isinstance(self.robot, str):
+            return load_machine(self.robot, self.base)
+        return machine_from(self.robot)
 
     @property
     def base(self) -> Path | None:

@@ -26,6 +26,16 @@ def faults(error: ValidationError) -> str:
     return "; ".join(lines) + more
 
 
+def every_fault(error: ValidationError) -> list[str]:
+    """pydantic's findings, each a line; of a robot each fault of its own."""
+    lines: list[str] = []
+    for fault in error.errors(include_url=False):
+        inside = fault.get("ctx", {}).get("faults")
+        where = ".".join(map(str, fault["loc"]))
+        lines += [f"{where}: {line}" for line in inside] if inside else [_fault(dict(fault))]
+    return lines
+
+
 def _fault(fault: Mapping[str, Any]) -> str:
     """One finding: where it is, what was expected, what came."""
     kind, loc, value = fault["type"], fault["loc"], fault.get("input")
@@ -40,6 +50,8 @@ def _fault(fault: Mapping[str, Any]) -> str:
         return f"{_kind_fault(where, value)}; there are: {', '.join(TABLES_BY_KIND[loc[0]])}"
     if kind == "value_error":
         return f"{f'{where}: ' if where else ''}{fault['ctx']['error']}"
+    if kind in ("robot_table", "heights_rows"):
+        return f"{where}: {fault['msg']}"
     if kind == "missing":
         return f"{where} is missing"
     message = fault["msg"]

@@ -19,7 +19,7 @@ from walking_console.planner.robot.toml_files import (
 )
 
 from .scenario import Scenario, ScenarioError
-from .scenario_faults import faults
+from .scenario_faults import every_fault, faults
 from .terrain.generators import FileTerrain
 
 FIXED_SETTINGS = ("drive", "trace")  # either replaces the other
@@ -80,7 +80,7 @@ def scenario_from(data: Mapping[str, Any], base: Path | None = None) -> Scenario
     try:
         scenario = Scenario.model_validate(plain)
     except ValidationError as error:
-        raise ScenarioError(faults(error)) from None
+        raise ScenarioError(faults(error), every_fault(error)) from None
     return _with_files(scenario, base)
 
 
@@ -106,7 +106,7 @@ def _with_files(scenario: Scenario, base: Path | None) -> Scenario:
     if isinstance(terrain, FileTerrain):
         file = str(((base or Path()) / terrain.file).absolute())
         change["terrain"] = terrain.model_copy(update={"file": file})
-    if names_toml_file(scenario.robot):
+    if isinstance(scenario.robot, str) and names_toml_file(scenario.robot):
         change["robot"] = str(((base or Path()) / scenario.robot).absolute())
     if change and base is None:
         raise ScenarioError(

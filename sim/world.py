@@ -16,7 +16,7 @@ from walking_console.planner import registry
 from walking_console.planner.geometry.paths import SampledPath
 from walking_console.planner.initial_stance import HeightAt, Placement, stance_on
 from walking_console.planner.protocols import PlannerError
-from walking_console.planner.robot.model import Machine, load_machine
+from walking_console.planner.robot.model import Machine
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.terrain.traversability import classify
 from walking_console.planner.types import Gait, Stance
@@ -49,7 +49,7 @@ def prepare(
     Raises ``MachineError``, ``GroundError`` or ``ScenarioError`` with one clear line.
     """
     check_plant(scenario)
-    machine = machine or load_machine(scenario.robot, scenario.base)
+    machine = machine or scenario.machine()
     gait = scenario.gait_for(machine)
     course = given_trace(scenario, machine)
     if ground is None:

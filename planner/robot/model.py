@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import resources
@@ -43,7 +43,11 @@ CRAB_LEGS = 4
 
 
 class MachineError(ValueError):
-    """A robot description that cannot walk; the message lists every reason."""
+    """A robot description that cannot walk; the message lists every reason, ``faults`` each one."""
+
+    def __init__(self, message: str, faults: Sequence[str] = ()) -> None:
+        super().__init__(message)
+        self.faults = tuple(faults) or (message,)
 
 
 @dataclass(frozen=True, slots=True)
@@ -278,7 +282,8 @@ def machine_from(data: Mapping[str, Any]) -> Machine:
         if masses is not None:
             check_masses(masses, values["mass"], len(legs), faults)
     if faults:
-        raise MachineError(f"robot {words['name'] or '?'!s} cannot be used: " + "; ".join(faults))
+        name = words["name"] or "?"
+        raise MachineError(f"robot {name} cannot be used: " + "; ".join(faults), faults)
     plain: dict[str, Any] = {**words, **values, **triples}
     return Machine(**plain, legs=legs, card_chains=chains, card_masses=masses)
 

@@ -20,7 +20,15 @@ from ..realtime_loop import RealtimeLoop
 from ..request_guard import RequestGuard
 from ..schemas import Problem
 from ..viser_bridge import ViserBridge
-from . import catalogue_routes, console_routes, drive_socket, pages, run_routes, session
+from . import (
+    catalogue_routes,
+    console_routes,
+    drive_socket,
+    pages,
+    run_routes,
+    session,
+    upload_routes,
+)
 from .errors import add_error_answers
 from .openapi import DESCRIPTION, describe_frames
 from .state import AppSettings, AppState
@@ -37,6 +45,7 @@ ROUTERS = (
     catalogue_routes.router,
     console_routes.router,
     run_routes.router,
+    upload_routes.router,
     drive_socket.router,
     session.router,
     pages.router,

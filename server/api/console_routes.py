@@ -8,7 +8,7 @@ import asyncio
 from typing import Any
 
 from fastapi import APIRouter
-from fastapi.responses import JSONResponse
+from fastapi.responses import JSONResponse, Response
 
 from walking_console.planner import registry
 from walking_console.sim.requests import Follow
@@ -28,7 +28,7 @@ from ..schemas import (
 from .errors import HTTPProblem
 from .scenario_choice import world_of
 from .state import AppState, ConsoleState
-from .terrain_edits import edit_under
+from .terrain_edits import edit_under, packed_terrain
 
 ADVANCE_TIME = 20.0  # s
 SWITCH_TIME = 1.0  # s for a pause to show
@@ -171,12 +171,21 @@ async def scenario(body: ScenarioBody, state: ConsoleState) -> JSONResponse:
     one is made.
     """
     async with state.loads:
-        world = await asyncio.to_thread(world_of, body)
+        world = await asyncio.to_thread(world_of, body, state.uploads)
         before = state.loop.newest
         state.lease.hold()
         state.loop.load(world)
         await state.until_another_world(before)
     return _snapshot(state)
+
+
+@router.get("/terrain.npz", response_class=Response)
+async def terrain_file(state: ConsoleState) -> Response:
+    """The ground as it is now, as a run's `terrain.npz` has it: `heights` (row y, column x; NaN is
+    bottomless), `cell`, `origin`, `forbidden` (as the machine believes).
+    """
+    packed = await asyncio.to_thread(packed_terrain, state.loop.newest.terrain)
+    return Response(packed, media_type="application/octet-stream")
 
 
 @router.patch("/terrain")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import secrets
+from collections.abc import Sequence
 from typing import Any
 
 from fastapi import FastAPI, HTTPException, Request
@@ -19,14 +20,24 @@ log = logging.getLogger(__name__)
 
 
 class HTTPProblem(HTTPException):
-    """A refusal; with ``field``, the value and the limit that problem+json wants."""
+    """A refusal; with ``field``, the value and the limit that problem+json wants, and every one of
+    several ``faults``.
+    """
 
     def __init__(
-        self, status: int, detail: str, *, field: str = "", value: Any = None, limit: Any = None
+        self,
+        status: int,
+        detail: str,
+        *,
+        field: str = "",
+        value: Any = None,
+        limit: Any = None,
+        faults: Sequence[str] = (),
     ) -> None:
         super().__init__(status, detail)
-        fault = {"field": field, "value": value, "limit": limit, "message": detail}
-        self.errors: list[dict[str, Any]] = [fault] if field else []
+        fault = {"field": field, "value": value, "limit": limit}
+        each = [{**fault, "message": message} for message in faults or (detail,)]
+        self.errors: list[dict[str, Any]] = each if field else []
 
 
 def add_error_answers(app: FastAPI) -> None:

@@ -48,7 +48,7 @@ async def start(
     body: RunBody, request: Request, response: Response, state: ConsoleState
 ) -> dict[str, Any]:
     """Start a scripted headless run in a process of its own."""
-    scenario = await asyncio.to_thread(chosen_scenario, body)
+    scenario = await asyncio.to_thread(chosen_scenario, body, state.uploads)
     name = body.name or scenario.name
     try:
         run_id = state.jobs.start(scenario.as_data(), name, trace_decisions=body.trace_decisions)

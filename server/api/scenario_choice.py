@@ -2,35 +2,65 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
-from walking_console.planner.robot.model import MachineError, load_machine
+from walking_console.planner.robot.model import MachineError
+from walking_console.planner.robot.toml_files import names_toml_file
 from walking_console.sim.scenario import Scenario, ScenarioError
 from walking_console.sim.scenario_files import load_scenario, scenario_from, scenario_names
 from walking_console.sim.terrain.ground import GroundError
 from walking_console.sim.world import World, prepare
 
 from ..schemas import RunBody, ScenarioBody
+from ..uploads import Uploads
 from .errors import HTTPProblem
 
+DETAIL_MAX = 4000  # letters of all faults together
 SETTINGS_NEED_A_NAME = "settings change a scenario by name; put them into the inline one"
 
 
-def chosen_scenario(body: ScenarioBody) -> Scenario:
-    """The scenario a body names or holds; raises ``HTTPProblem``. Over HTTP no file may be
-    named.
+def chosen_scenario(body: ScenarioBody, uploads: Uploads) -> Scenario:
+    """The scenario a body names or holds; raises ``HTTPProblem``. Over HTTP only files that were
+    uploaded may be named.
     """
     settings = body.settings if isinstance(body, RunBody) else []
     try:
         data = _shipped(body, settings) if body.name is not None else _inline(body, settings)
         replaced = {"robot": body.robot, "mode": body.mode}
         data |= {key: value for key, value in replaced.items() if value is not None}
-        scenario = scenario_from(data, None)
-        load_machine(scenario.robot)
+        scenario = scenario_from(data, _base_of(data, uploads))
+        scenario.machine()
     except (ScenarioError, MachineError) as error:
         field = "name" if body.name else "scenario"
-        raise HTTPProblem(422, str(error), field=field, value=body.name or "inline") from None
+        raise HTTPProblem(
+            422,
+            "; ".join(error.faults)[:DETAIL_MAX],
+            field=field,
+            value=body.name or "inline",
+            faults=error.faults,
+        ) from None
     return scenario
+
+
+def _base_of(data: dict[str, Any], uploads: Uploads) -> Path | None:
+    """The folder of uploads where a scenario names files of it; None where it names none. Raises
+    ``ScenarioError`` for any other file.
+    """
+    terrain = data.get("terrain")
+    robot = data.get("robot")
+    named = [terrain.get("file")] if isinstance(terrain, dict) else []
+    if isinstance(robot, str) and names_toml_file(robot):
+        named.append(robot)
+    files = [name for name in named if isinstance(name, str)]
+    for name in files:
+        if not uploads.holds(name):
+            kept = ", ".join(uploads.names()) or "none"
+            raise ScenarioError(
+                "a scenario that is not a file itself cannot name files (terrain.file, robot) but "
+                f"those that were sent to PUT /api/v1/uploads/NAME: {kept}; got {name!r:.80}"
+            )
+    return uploads.folder if files else None
 
 
 def _shipped(body: ScenarioBody, settings: list[str]) -> dict[str, Any]:
@@ -44,16 +74,15 @@ def _shipped(body: ScenarioBody, settings: list[str]) -> dict[str, Any]:
 
 def _inline(body: ScenarioBody, settings: list[str]) -> dict[str, Any]:
     """The scenario a body holds itself."""
-    given = scenario_from({"name": "inline", **(body.scenario or {})}, None)
     if settings:
         raise HTTPProblem(422, SETTINGS_NEED_A_NAME, field="settings", value=settings)
     seed = {} if body.seed is None else {"seed": body.seed}
-    return given.as_data() | seed
+    return {"name": "inline", **(body.scenario or {})} | seed
 
 
-def world_of(body: ScenarioBody) -> World:
+def world_of(body: ScenarioBody, uploads: Uploads) -> World:
     """The world of the scenario a body names or holds: slow; raises ``HTTPProblem``."""
-    scenario = chosen_scenario(body)
+    scenario = chosen_scenario(body, uploads)
     try:
         return prepare(scenario)
     except (ScenarioError, MachineError, GroundError) as error:

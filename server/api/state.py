@@ -22,6 +22,7 @@ from ..realtime_loop import RealtimeLoop
 from ..run_jobs import RunJobs
 from ..serve_options import DATA
 from ..sessions import SIT_AFTER
+from ..uploads import Uploads
 from ..viser_bridge import ViserBridge
 
 LOADS_AT_ONCE = 1
@@ -82,6 +83,7 @@ class AppState:
         self.bridge = bridge
         self.lease = ControlLease(loop, settings.sit_after)
         self.jobs = RunJobs(settings.data)
+        self.uploads = Uploads(settings.data)
         self.changes: ChangeSignal | None = None
         self.drivers: set[str] = set()  # names of the sockets on /drive
         self.started = time.monotonic()

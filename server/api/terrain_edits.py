@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import io
 from typing import Any
+
+import numpy as np
 
 from walking_console.sim.requests import EDIT_CELLS_MAX, Edit
 from walking_console.sim.snapshot import TerrainView
@@ -23,6 +26,19 @@ def painted(brush: str, x: float, y: float, radius: float) -> TerrainBody:
         "amount_m": amount,
     }
     return TerrainBody.model_validate(body)
+
+
+def packed_terrain(terrain: TerrainView) -> bytes:
+    """The ground as a .npz file, which a scenario can walk on again."""
+    packed = io.BytesIO()
+    np.savez_compressed(
+        packed,
+        heights=terrain.heights.astype(np.float32),
+        cell=np.array(terrain.cell),
+        origin=np.array(terrain.origin),
+        forbidden=terrain.forbidden,
+    )
+    return packed.getvalue()
 
 
 def edit_under(body: TerrainBody, terrain: TerrainView) -> Edit:

@@ -202,7 +202,8 @@ def without_folders(scenario: Scenario) -> dict[str, Any]:
     data = scenario.as_data()
     if "file" in data["terrain"]:
         data["terrain"]["file"] = PurePath(data["terrain"]["file"]).name
-    data["robot"] = PurePath(data["robot"]).name
+    if isinstance(data["robot"], str):
+        data["robot"] = PurePath(data["robot"]).name
     return data
 
 

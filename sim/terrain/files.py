@@ -30,6 +30,8 @@ from .generators import (
     Dem,
     FileTerrain,
     GroundError,
+    HeightsTerrain,
+    MapTerrain,
     Site,
     quarter_direction,
 )
@@ -107,13 +109,23 @@ def read_heights(
         ) from None
 
 
+def given_heights(terrain: HeightsTerrain, start: tuple[float, float] = (0.0, 0.0)) -> FileGround:
+    """The same of heights that the scenario holds itself; raises ``GroundError``."""
+    rows = [[math.nan if cell == "hole" else cell for cell in row] for row in terrain.rows]
+    raster = Raster(np.array(rows, dtype=np.float64)[::-1], "heights of the scenario")
+    try:
+        return _understood(terrain, raster, start)
+    except GroundError as error:
+        raise GroundError(f"terrain.rows: {error}") from None
+
+
 def _mesh_cell(terrain: FileTerrain) -> float:
     if isinstance(terrain.cell, list):
         return min(terrain.cell)
     return min(terrain.cell or SMOOTH_CELL, CELL_MAX)
 
 
-def _understood(terrain: FileTerrain, raster: Raster, start: tuple[float, float]) -> FileGround:
+def _understood(terrain: MapTerrain, raster: Raster, start: tuple[float, float]) -> FileGround:
     if raster.heights.ndim != 2 or min(raster.heights.shape) < 2:
         raise GroundError(
             f"heights must be (ny, nx) with at least 2 x 2 cells, got shape {raster.heights.shape}"
@@ -137,7 +149,7 @@ def _size(cell: tuple[float, float]) -> str:
     return f"{cell[0]:g} m" if cell[0] == cell[1] else f"{cell[0]:g} x {cell[1]:g} m"
 
 
-def _values(terrain: FileTerrain, raster: Raster) -> Array:
+def _values(terrain: MapTerrain, raster: Raster) -> Array:
     """Heights in the walker's directions: the row of least y first."""
     heights = raster.heights
     if terrain.flip in ("x", "xy"):
@@ -147,7 +159,7 @@ def _values(terrain: FileTerrain, raster: Raster) -> Array:
     return heights
 
 
-def _cell_of(terrain: FileTerrain, raster: Raster) -> tuple[float, float]:
+def _cell_of(terrain: MapTerrain, raster: Raster) -> tuple[float, float]:
     """The size of a cell along x and y, m: the scenario's, else the file's own, else 0.05."""
     if isinstance(terrain.cell, list):
         return terrain.cell[0], terrain.cell[1]
@@ -167,13 +179,13 @@ def _cell_of(terrain: FileTerrain, raster: Raster) -> tuple[float, float]:
     return raster.cell
 
 
-def _own_origin(terrain: FileTerrain, raster: Raster) -> tuple[float, float] | None:
+def _own_origin(terrain: MapTerrain, raster: Raster) -> tuple[float, float] | None:
     if terrain.origin is not None:
         return terrain.origin[0], terrain.origin[1]
     return raster.origin
 
 
-def _without_nodata(terrain: FileTerrain, raster: Raster, found: _Map) -> _Map:
+def _without_nodata(terrain: MapTerrain, raster: Raster, found: _Map) -> _Map:
     """Heights that stand for nothing are NaN; they must be holes by the scenario's word."""
     nothing = raster.nodata if terrain.nodata is None else (terrain.nodata,)
     missing: Mask = np.zeros(found.heights.shape, dtype=np.bool_)
@@ -313,7 +325,7 @@ def _thinned(found: _Map) -> _Map:
     return thin.saying(f"thinned to one cell in {step} ({CELLS_MAX} at most)")
 
 
-def _brought_to_start(terrain: FileTerrain, found: _Map, start: tuple[float, float]) -> _Map:
+def _brought_to_start(terrain: MapTerrain, found: _Map, start: tuple[float, float]) -> _Map:
     """Heights from where the walker stands: what is taken off is the scenario's word, or the height
     of the start where heights are above some sea."""
     heights = found.heights
@@ -344,7 +356,7 @@ def _height_near(found: _Map, at: tuple[float, float]) -> float:
     return float(found.heights[rows[nearest], columns[nearest]])
 
 
-def _check_heights(heights: Array, terrain: FileTerrain) -> None:
+def _check_heights(heights: Array, terrain: MapTerrain) -> None:
     """Refuse what is no ground, naming the first cell at fault as [row, column]."""
     for bad, says in (
         (np.isinf(heights), "is infinite"),

@@ -14,7 +14,8 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, model_validator
+from pydantic import Field, PlainValidator, model_validator
+from pydantic_core import PydanticCustomError
 
 from walking_console.planner.geometry.paths import Box
 from walking_console.planner.geometry.transforms import direction, directions, left_fold_sum
@@ -24,6 +25,7 @@ from ..tables import Bearing, Extent, MapMetres, Table
 
 SMOOTH_CELL = 0.025  # m: smooth ground is resampled to cells no larger than this
 CELL_MIN, CELL_MAX = 0.005, 1.0  # m
+ROWS_MAX = 2000  # of heights in a scenario, and of heights in each
 SEED_MAX = 2**63 - 1
 
 CellSize = Annotated[float, Field(ge=CELL_MIN, le=1000.0)]
@@ -488,18 +490,9 @@ class Dem(Generated):
     )
 
 
-class FileTerrain(Terrain):
-    """Heights from a file: PNG, TIFF and GeoTIFF, ESRI ASCII grid (.asc), CSV matrix or point list,
-    .npy, .npz (a run's own terrain.npz), STL, PLY and OBJ.
+class MapTerrain(Terrain):
+    """Heights that somebody brings: how they are understood."""
 
-    Pictures and grids are north up: the first row is the largest y. Arrays (.npy, .npz) have the
-    row of least y first.
-    """
-
-    kind: Literal["file"]
-    file: str = Field(
-        min_length=1, max_length=500, description="path, relative to the scenario file"
-    )
     cell: CellSize | Annotated[list[CellSize], Field(min_length=2, max_length=2)] | None = Field(
         default=None, description="m, one number or [x, y]; the file's own, else 0.05"
     )
@@ -537,6 +530,72 @@ class FileTerrain(Terrain):
     final: bool = Field(default=False, description="only the cell under the foot tip counts")
 
 
+class FileTerrain(MapTerrain):
+    """Heights from a file: PNG, TIFF and GeoTIFF, ESRI ASCII grid (.asc), CSV matrix or point list,
+    .npy, .npz (a run's own terrain.npz), STL, PLY and OBJ.
+
+    Pictures and grids are north up: the first row is the largest y. Arrays (.npy, .npz) have the
+    row of least y first.
+    """
+
+    kind: Literal["file"]
+    file: str = Field(
+        min_length=1, max_length=500, description="path, relative to the scenario file"
+    )
+
+
+def _rows(value: Any) -> list[list[float | Literal["hole"]]]:
+    """Rows of numbers, "hole" or null; the message names the first that is none of them."""
+    if not isinstance(value, list) or not all(isinstance(row, list) for row in value):
+        raise _bad_rows("must be an array of rows of numbers")
+    widths = {len(row) for row in value}
+    if (
+        len(widths) != 1
+        or not 2 <= min(len(value), *widths) <= max(len(value), *widths) <= ROWS_MAX
+    ):
+        shown = f"{len(value)} rows of {min(widths, default=0)} to {max(widths, default=0)}"
+        raise _bad_rows(
+            f"must be 2 to {ROWS_MAX} rows of one length of 2 to {ROWS_MAX}, got {shown}"
+        )
+    return [[_height(cell, r, c) for c, cell in enumerate(row)] for r, row in enumerate(value)]
+
+
+def _height(value: Any, row: int, column: int) -> float | Literal["hole"]:
+    if value is None or value == "hole":
+        return "hole"
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise _bad_rows(f'[{row}, {column}] must be a height in m or "hole", got {value!r:.40}')
+    return float(value)
+
+
+def _bad_rows(what: str) -> PydanticCustomError:
+    return PydanticCustomError("heights_rows", "{what}", {"what": what})
+
+
+class HeightsTerrain(MapTerrain):
+    """Heights written into the scenario itself, as rows; the first row is the largest y. "hole", or
+    null, is a hole without a bottom.
+    """
+
+    kind: Literal["heights"]
+    rows: Annotated[list[list[float | Literal["hole"]]], PlainValidator(_rows)] = Field(
+        description="heights in m"
+    )
+    nan: Literal["hole"] = "hole"
+
+    @model_validator(mode="before")
+    @classmethod
+    def _with_the_unit_in_the_key(cls, data: Any) -> Any:
+        if not isinstance(data, dict) or "cell_m" not in data or "cell" in data:
+            return data
+        return _renamed(data)
+
+
+def _renamed(data: dict[str, Any]) -> dict[str, Any]:
+    """``cell_m`` is ``cell``, as keys over HTTP have their unit."""
+    return {("cell" if key == "cell_m" else key): value for key, value in data.items()}
+
+
 AnyTerrain = Annotated[
     Flat
     | Slope
@@ -552,7 +611,8 @@ AnyTerrain = Annotated[
     | SteppingStones
     | Wave
     | Dem
-    | FileTerrain,
+    | FileTerrain
+    | HeightsTerrain,
     Field(discriminator="kind"),
 ]
 KINDS: dict[str, type[Terrain]] = {
@@ -571,6 +631,7 @@ KINDS: dict[str, type[Terrain]] = {
     "wave": Wave,
     "dem": Dem,
     "file": FileTerrain,
+    "heights": HeightsTerrain,
 }
 
 

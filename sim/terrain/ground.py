@@ -24,8 +24,17 @@ from walking_console.planner.robot.model import Machine
 from walking_console.planner.terrain.grid import HeightGrid
 
 from .extent import CellRange, cells_for
-from .files import read_elevation, read_heights
-from .generators import Dem, FileTerrain, Generated, GroundError, Obstacle, Site, Terrain
+from .files import given_heights, read_elevation, read_heights
+from .generators import (
+    Dem,
+    FileTerrain,
+    Generated,
+    GroundError,
+    HeightsTerrain,
+    Obstacle,
+    Site,
+    Terrain,
+)
 
 __all__ = ["Ground", "GroundError", "Obstacle", "make_ground"]
 
@@ -101,8 +110,12 @@ def make_ground(
     ``terrain.seed`` wins over ``seed``.
     """
     site_seed = seed if terrain.seed is None else terrain.seed
-    if isinstance(terrain, FileTerrain):
-        read = read_heights(terrain, base, (start[0], start[1]))
+    if isinstance(terrain, FileTerrain | HeightsTerrain):
+        at = start[0], start[1]
+        if isinstance(terrain, FileTerrain):
+            read = read_heights(terrain, base, at)
+        else:
+            read = given_heights(terrain, at)
         ground = Ground(
             read.heights, read.cell, read.origin, terrain.kind, terrain.final, note=read.note
         )

@@ -5,11 +5,13 @@ from __future__ import annotations
 import codecs
 import json
 import shutil
+import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import pytest
+from fastapi.testclient import TestClient
 
 from tests.server.command_line import called
 
@@ -69,3 +71,28 @@ def test_a_run_folder_is_replayed_and_exported_where_it_was_handed_to(
     exported = called("export", tmp_path / "handed-on", "--to", "html")
     assert exported.exit_code == 0, exported.output
     assert str(tmp_path) not in (tmp_path / "handed-on" / "run.json").read_text()
+
+
+DOG_TABLE = tomllib.loads(DOG.read_text())
+ROWS = [[0.0] * 120 for _ in range(120)]
+
+
+def test_a_robot_and_heights_inside_a_body_are_walked(client: TestClient) -> None:
+    terrain = {"kind": "heights", "cell_m": 0.05, "rows": ROWS}
+    scenario = {"robot": DOG_TABLE, "terrain": terrain, "drive": [{"speed": 0.08}]}
+    answer = client.put("/api/v1/console/scenario", json={"scenario": scenario})
+    assert answer.status_code == 200 and answer.json()["robot"] == "dog", answer.text
+    body = {"scenario": {**scenario, "end": {"time": 0.2}}}
+    assert client.post("/api/v1/runs", json=body).status_code == 202
+
+
+def test_every_fault_of_a_body_is_said_at_once(client: TestClient) -> None:
+    body = json.loads((FIXTURES / "own-robot-over-http" / "body.json").read_text())
+    body["scenario"]["sped"] = 1
+    body["scenario"]["terrain"]["rows"][1] = [0]
+    answer = client.put("/api/v1/console/scenario", json=body)
+    said = [error["message"] for error in answer.json()["errors"]]
+    assert answer.status_code == 422
+    for fault in ("mass", "torso", "legs must be 4 to 8 tables", "rows of one length", "'sped'"):
+        assert any(fault in message for message in said), (fault, said)
+    assert "mass" in answer.json()["detail"] and "legs must be" in answer.json()["detail"]

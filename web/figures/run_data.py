@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from walking_console.planner.crab.gait import NominalGait, Posture, nominal_gait, posture_of
 from walking_console.planner.geometry.paths import Box
-from walking_console.planner.robot.model import Machine, load_machine
+from walking_console.planner.robot.model import Machine
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.types import Gait, Stance
 from walking_console.sim.runs.reader import open_run
@@ -120,7 +120,7 @@ def walk_recipe(recipe: Recipe, directory: Path) -> Path:
     """Walk what a drawing needs headless, into a new directory."""
     directory.mkdir(parents=True)
     scenario = load_scenario(recipe.scenario, recipe.settings)
-    machine = load_machine(scenario.robot, scenario.base)
+    machine = scenario.machine()
     if recipe.lift_speed is not None:
         machine = replace(machine, speed=(machine.speed[0], machine.speed[1], recipe.lift_speed))
     run_scenario(scenario, directory, world=prepare(scenario, machine))

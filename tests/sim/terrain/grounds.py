@@ -19,7 +19,7 @@ from walking_console.sim.terrain.ground import Ground, make_ground
 TITAN = load_machine("titan3")
 
 
-GENERATED = [kind for kind in KINDS if kind != "file"]
+GENERATED = [kind for kind in KINDS if kind not in ("file", "heights")]
 
 
 SMOOTH = ("slope", "rough", "wave", "dem")
