@@ -12,6 +12,7 @@ from typing import Any
 
 from walking_console.planner.robot.model import MachineError, load_machine
 from walking_console.planner.robot.toml_files import FILE_BYTES_MAX, names_toml_file
+from walking_console.sim.drive_files import DriveFileError, read_drive
 from walking_console.sim.terrain.files import read_heights
 from walking_console.sim.terrain.generators import FileTerrain, GroundError
 from walking_console.sim.terrain.readers import READERS
@@ -92,6 +93,9 @@ def _understood(path: Path, name: str) -> dict[str, Any]:
     """What a file was taken for. A ground that needs a key of [terrain] is kept and says which."""
     if names_toml_file(name):
         return {"kind": "robot", "note": _robot(path)}
+    hand = _hand(path) if path.suffix.lower() == ".csv" else ""
+    if hand:
+        return {"kind": "hand", "note": hand}
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
@@ -107,6 +111,15 @@ def _understood(path: Path, name: str) -> dict[str, Any]:
     except GroundError as error:
         return {"kind": "ground", "note": "", "needs": str(error).replace(str(path), name)}
     return {"kind": "ground", "note": read.note}
+
+
+def _hand(path: Path) -> str:
+    """What a recorded hand is; '' for a file that is none."""
+    try:
+        entries = read_drive(path, path.name)
+    except DriveFileError:
+        return ""
+    return f"{len(entries)} commands in {entries[-1]['t'] - entries[0]['t']:g} s"
 
 
 def _robot(path: Path) -> str:

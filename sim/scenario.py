@@ -33,7 +33,7 @@ from walking_console.planner.types import Gait
 
 from .plants import DEFAULT_PLANT, PLANTS
 from .range_sensor import EyeSettings
-from .scenario_tables import Drive, End, Expect, GaitChange, Noise, StartPlace
+from .scenario_tables import DRIVES_MAX, Drive, End, Expect, GaitChange, Noise, StartPlace
 from .tables import Registered, Table
 from .terrain.generators import SEED_MAX, AnyTerrain, Flat
 from .trace_tables import Trace
@@ -99,7 +99,7 @@ class Scenario(Table):
     config: dict[str, Any] = {}  # tunables of planner/config.py, by theme
     terrain: AnyTerrain = Flat(kind="flat")
     start: StartPlace = StartPlace()
-    drive: list[Drive] = Field(default=[], max_length=10_000)
+    drive: list[Drive] = Field(default=[], max_length=DRIVES_MAX)
     trace: Trace | None = None
     end: End = End()
     expect: Expect = Expect()

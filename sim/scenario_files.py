@@ -18,12 +18,15 @@ from walking_console.planner.robot.toml_files import (
     read_toml,
 )
 
+from .drive_files import DriveFileError, read_drive
 from .scenario import Scenario, ScenarioError
 from .scenario_faults import every_fault, faults
 from .terrain.generators import FileTerrain
 
+FILE_BYTES_MAX = 32_000_000  # a timeline may be long
+NO_FILES = "a scenario that is not a file itself cannot name files (terrain.file, robot, drive)"
 FIXED_SETTINGS = ("drive", "trace")  # either replaces the other
-FILE_KEYS = (("robot",), ("terrain", "file"))  # values that may be paths of files
+FILE_KEYS = (("robot",), ("drive",), ("terrain", "file"))  # values that may be paths of files
 
 
 def scenario_names() -> tuple[str, ...]:
@@ -73,7 +76,7 @@ def scenario_from(data: Mapping[str, Any], base: Path | None = None) -> Scenario
     ``ScenarioError``.
     """
     _check_integers(data)
-    plain = dict(data)
+    plain = _with_hand(dict(data), base)
     terrain = plain.get("terrain")
     if isinstance(terrain, Mapping) and "file" in terrain and "kind" not in terrain:
         plain["terrain"] = {"kind": "file", **terrain}
@@ -82,6 +85,19 @@ def scenario_from(data: Mapping[str, Any], base: Path | None = None) -> Scenario
     except ValidationError as error:
         raise ScenarioError(faults(error), every_fault(error)) from None
     return _with_files(scenario, base)
+
+
+def _with_hand(data: dict[str, Any], base: Path | None) -> dict[str, Any]:
+    """``drive`` may be the name of a file of commands: its entries in its place."""
+    given = data.get("drive")
+    if not isinstance(given, str):
+        return data
+    if base is None:
+        raise ScenarioError(NO_FILES)
+    try:
+        return {**data, "drive": read_drive(base / given, given)}
+    except DriveFileError as error:
+        raise ScenarioError(str(error)) from None
 
 
 def _check_integers(data: Any) -> None:
@@ -109,9 +125,7 @@ def _with_files(scenario: Scenario, base: Path | None) -> Scenario:
     if isinstance(scenario.robot, str) and names_toml_file(scenario.robot):
         change["robot"] = str(((base or Path()) / scenario.robot).absolute())
     if change and base is None:
-        raise ScenarioError(
-            "a scenario that is not a file itself cannot name files (terrain.file, robot)"
-        )
+        raise ScenarioError(NO_FILES)
     if change:
         scenario = scenario.model_copy(update=change)
     scenario._base = base
@@ -130,7 +144,7 @@ def _read(path: Path, given: str) -> dict[str, Any]:
             "or a path to a scenario TOML file"
         )
     try:
-        return read_toml(path, f"scenario file {given!r}")
+        return read_toml(path, f"scenario file {given!r}", FILE_BYTES_MAX)
     except TomlFileError as error:
         raise ScenarioError(str(error)) from None
 

@@ -13,6 +13,7 @@ from walking_console.planner.types import Command
 from .tables import Bearing, MapMetres, Registered, Table
 
 DURATION_MAX = 3600.0  # s
+DRIVES_MAX = 200_000  # entries of a timeline: a whole run at 50 Hz, and some
 
 RigidGaitName = Annotated[str, Registered(registry.rigid_gait_names)]
 

@@ -39,15 +39,20 @@ def is_file(path: Path) -> bool:
         return False
 
 
-def read_toml(path: Path, what: str) -> dict[str, Any]:
+def read_toml(path: Path, what: str, bytes_max: int = FILE_BYTES_MAX) -> dict[str, Any]:
     """The tables of a TOML file; ``what`` names it in a refusal. Raises ``TomlFileError``."""
+    return parse_toml(read_text(path, what, bytes_max), what)
+
+
+def read_text(path: Path, what: str, bytes_max: int) -> str:
+    """The text of a file, with line ends of one kind. Raises ``TomlFileError``."""
     try:
-        if path.stat().st_size > FILE_BYTES_MAX:
-            raise TomlFileError(f"{what} is larger than {FILE_BYTES_MAX} bytes")
+        if path.stat().st_size > bytes_max:
+            raise TomlFileError(f"{what} is larger than {bytes_max} bytes")
         data = path.read_bytes()
     except OSError as error:
         raise TomlFileError(f"cannot read {what}: {error}") from None
-    return parse_toml(_decoded(data, what), what)
+    return _decoded(data, what)
 
 
 def parse_toml(text: str, what: str) -> dict[str, Any]:

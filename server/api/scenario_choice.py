@@ -50,6 +50,7 @@ def _base_of(data: dict[str, Any], uploads: Uploads) -> Path | None:
     terrain = data.get("terrain")
     robot = data.get("robot")
     named = [terrain.get("file")] if isinstance(terrain, dict) else []
+    named.append(data.get("drive"))  # a name where it is no timeline
     if isinstance(robot, str) and names_toml_file(robot):
         named.append(robot)
     files = [name for name in named if isinstance(name, str)]
@@ -57,7 +58,7 @@ def _base_of(data: dict[str, Any], uploads: Uploads) -> Path | None:
         if not uploads.holds(name):
             kept = ", ".join(uploads.names()) or "none"
             raise ScenarioError(
-                "a scenario that is not a file itself cannot name files (terrain.file, robot) but "
+                "a scenario that is not a file itself cannot name files (terrain.file, robot, drive) but "
                 f"those that were sent to PUT /api/v1/uploads/NAME: {kept}; got {name!r:.80}"
             )
     return uploads.folder if files else None

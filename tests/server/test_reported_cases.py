@@ -96,3 +96,20 @@ def test_every_fault_of_a_body_is_said_at_once(client: TestClient) -> None:
     for fault in ("mass", "torso", "legs must be 4 to 8 tables", "rows of one length", "'sped'"):
         assert any(fault in message for message in said), (fault, said)
     assert "mass" in answer.json()["detail"] and "legs must be" in answer.json()["detail"]
+
+
+def test_a_hand_recorded_in_a_file_walks_like_the_same_timeline(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    rows = [(k / 30, k % 90 / 10) for k in range(180)]
+    timeline = "".join(f"[[drive]]\nt = {t}\ncrab_angle_deg = {a}\nspeed = 0.08\n" for t, a in rows)
+    Path("s.toml").write_text(timeline + "[end]\ntime = 6.0\n")
+    lines = "".join(f"{t},{a},0.08\n" for t, a in rows)
+    Path("hand.csv").write_text("t,alpha,speed\n" + lines)
+    Path("h.toml").write_text('drive = "hand.csv"\n[end]\ntime = 6.0\n')
+    walked = summary_of("s.toml")
+    assert summary_of("h.toml")["state_hash"] == walked["state_hash"]
+    typed = summary_of("flat", ["drive=hand.csv", "end={time=6.0}", "expect={}"])
+    assert typed["state_hash"] == walked["state_hash"]
+    assert called("replay", "out").exit_code == 0
