@@ -17,12 +17,11 @@ from walking_console.planner.types import TICK
 from walking_console.sim.runs.replay import rerun
 from walking_console.sim.runs.run_files import RunError, read_arrays, read_log, read_run, read_steps
 
+from .mcap_log import write_mcap
+
 FRAME_TICKS = 3  # one drawn frame of a replay page every 60 ms
 FRAMES_MAX = 6000  # six minutes; longer runs are drawn at fewer frames a second
 BODY = ("x", "y", "z", "roll", "pitch", "yaw")
-PLAIN = ("t", "body", "feet", "contact", "support", "margin", "polygon_margin", "command", "step")
-MCAP_SUMMARY = ("version", "result", "reason", "state_hash")
-NANOSECONDS = 1e9  # in a second
 COMMAND = ("crab_angle_rad", "speed_m_s", "turn_rate_rad_s")
 
 LogColumns = dict[str, np.ndarray[Any, Any]]
@@ -134,50 +133,8 @@ def _frames(directory: Path, every: int) -> Iterator[Any]:
 
 
 def _to_mcap(directory: Path, summary: dict[str, Any], path: Path) -> None:
-    """The log as MCAP with JSON messages: topic /tick (state) and /step (decisions)."""
-    try:
-        from mcap.writer import Writer
-    except ImportError:
-        raise RunError(
-            "writing mcap needs the extra: pip install 'walking-console[mcap]'"
-        ) from None
-    with path.open("wb") as file:
-        writer = Writer(file)
-        writer.start(profile="", library="walking-console")
-        _write_ticks(writer, read_log(directory), mode_names(summary))
-        _write_steps(writer, directory)
-        writer.add_metadata("run", {key: str(summary[key]) for key in MCAP_SUMMARY})
-        writer.finish()  # type: ignore[no-untyped-call]
-
-
-def _write_ticks(writer: Any, log: LogColumns, names: dict[int, str]) -> None:
-    channel = _channel(writer, "/tick")
-    for row in range(len(log["t"])):
-        at = round(float(log["t"][row]) * NANOSECONDS)
-        writer.add_message(channel, at, json.dumps(_tick_message(log, row, names)).encode(), at)
-
-
-def _write_steps(writer: Any, directory: Path) -> None:
-    channel = _channel(writer, "/step")
-    for step in read_steps(directory):
-        at = round(step["tick"] * TICK * NANOSECONDS)
-        writer.add_message(channel, at, json.dumps(step).encode(), at)
-
-
-def _channel(writer: Any, topic: str) -> int:
-    schema = writer.register_schema(
-        name=f"walking_console{topic.replace('/', '.')}",
-        encoding="jsonschema",
-        data=b'{"type": "object"}',
-    )
-    return int(writer.register_channel(topic=topic, message_encoding="json", schema_id=schema))
-
-
-def _tick_message(log: LogColumns, row: int, names: dict[int, str]) -> dict[str, Any]:
-    return {
-        **{name: log[name][row].tolist() for name in PLAIN},
-        "mode": names.get(int(log["mode"][row]), "?"),
-    }
+    """The log as MCAP, for log viewers."""
+    write_mcap(directory, summary, path, mode_names(summary))
 
 
 FORMS: dict[str, Callable[[Path, dict[str, Any], Path], None]] = {

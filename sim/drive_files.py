@@ -2,8 +2,8 @@
 
 Columns by their names, in any order; others are passed over, so a run's own ``ticks.csv`` is one.
 ``t``, and either ``alpha``, ``speed`` and ``turn``, or ``vx``, ``vy`` and ``wz``. A unit may stand
-behind a name (``alpha_rad``, ``vx (mm/s)``); without one they are s, degrees, m/s and degrees/s, and
-rad/s for ``wz``. Comma, semicolon (then also decimal commas) or tab.
+behind a name (``alpha_rad``, ``vx (mm/s)``); without one they are s, degrees, m/s and degrees/s,
+and rad/s for ``wz``. Comma, semicolon (then also decimal commas) or tab.
 """
 
 from __future__ import annotations
