@@ -58,8 +58,9 @@ def _base_of(data: dict[str, Any], uploads: Uploads) -> Path | None:
         if not uploads.holds(name):
             kept = ", ".join(uploads.names()) or "none"
             raise ScenarioError(
-                "a scenario that is not a file itself cannot name files (terrain.file, robot, drive) "
-                f"but those that were sent to PUT /api/v1/uploads/NAME: {kept}; got {name!r:.80}"
+                "a scenario that is not a file itself cannot name files (terrain.file, robot, "
+                f"drive) but those that were sent to PUT /api/v1/uploads/NAME: {kept}; got "
+                f"{name!r:.80}"
             )
     return uploads.folder if files else None
 
