@@ -34,6 +34,21 @@ class Tolerances:
     # m a foot may seem to be off in the plans of a posture. Smaller: see sensor noise begin the
     # posture anew
     foot_off: float = 0.015
+    # which Level C drives it. ``exact``: feet are where they are told to be, and the body is put
+    # where the plan has it in every tick; ``inertia``: legs give and the body swings
+    law: str = "exact"
+    # m and rad, what its position monitors and its posture sensor scatter by
+    position_noise: float = 0.0
+    posture_noise: float = 0.0
+
+    @property
+    def scatters(self) -> bool:
+        """True when its sensors say something else every tick."""
+        return self.position_noise > 0.0 or self.posture_noise > 0.0
+
+
+# of a plant's tolerances, those a scenario may set
+OF_A_PLANT = ("same_place", "held_back", "landed_as_planned", "body_off", "foot_off")
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +72,7 @@ class Tracking:
 
     def within(self, plant: Tolerances) -> Tolerances:
         """The tolerances of a plant with those set here in their place."""
-        given = {each.name: getattr(self, each.name) for each in fields(Tolerances)}
+        given = {name: getattr(self, name) for name in OF_A_PLANT}
         return replace(plant, **{name: value for name, value in given.items() if value is not None})
 
 
@@ -81,6 +96,7 @@ class Planning:
 class Gains:
     """Weights of Level C. The defaults are P control with both of H's z-direction reflexes on."""
 
+    law: str = ""  # one of LAWS; "": the one the plant asks for
     position: float = 1.0  # of the error in (38); 1 closes it in one tick, above 2 see feet ring
     # C1 of (36), per tick; too small: see the torso stay tilted, 2 and more: see it rock up
     posture: float = 0.2
@@ -91,6 +107,24 @@ class Gains:
     derivative: float = 0.0  # PID option: of the change of what they missed
     # m; the integral never asks for more than this in one tick, however long a servo is stuck
     windup: float = 0.005
+
+
+@dataclass(frozen=True, slots=True)
+class Compliance:
+    """Weights of Level C for a machine whose legs give and whose body has inertia; a tick each."""
+
+    # k of the position error of a foot. More: see the body swing up at 5 Hz; less: see it drift
+    position: float = 0.03
+    height: float = 0.05  # of the mean height error of the feet that carry (37)
+    # C1 of (36). More: see the body rock; less: see it stay tilted
+    posture: float = 0.03
+    rate: float = 0.3  # of the turning, which is damped. More: see legs shiver
+    # C2·Δz of (36), m: reach of a leg that carries nothing of its load. More: see legs stamp
+    pliancy: float = 0.0005
+    # of the planned load that is pressed with. Less: see the body lean towards every lifted foot
+    press: float = 1.0
+    # of a reading that is believed where sensors scatter. More: see it shiver; less: see it lag
+    filter: float = 0.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,10 +159,14 @@ class PlannerConfig:
     tracking: Tracking = field(default_factory=Tracking)
     planning: Planning = field(default_factory=Planning)
     gains: Gains = field(default_factory=Gains)
+    compliance: Compliance = field(default_factory=Compliance)
     contact: Contact = field(default_factory=Contact)
 
 
 DEFAULT = PlannerConfig()
+# exact: the body is put where the plan has it, in a tick; inertia: the plan's velocity and loads
+# are fed forward and errors closed slowly; printed: (33) to (38) as they stand, leg by leg
+LAWS = ("exact", "inertia", "printed")
 
 
 def configured(changes: Mapping[str, Any], config: PlannerConfig = DEFAULT) -> PlannerConfig:
@@ -152,9 +190,18 @@ def _changed(settings: Any, changes: Any, where: str) -> Any:
         below = f"{where}.{name}"
         if is_dataclass(known[name]):
             new[name] = _changed(known[name], value, below)
+        elif isinstance(known[name], str):
+            new[name] = _law(value, below)
         else:
             new[name] = _number(value, isinstance(known[name], int), below)
     return replace(settings, **new)
+
+
+def _law(value: Any, where: str) -> str:
+    """The law of Level C of this name; raises ``ValueError``."""
+    if value not in LAWS:
+        raise ValueError(f"{where} should be one of {', '.join(LAWS)}, got {value!r:.80}")
+    return str(value)
 
 
 def _number(value: Any, whole: bool, where: str) -> float:

@@ -202,8 +202,10 @@ class Plant(Protocol[GroundT]):
         """Position monitors, soles, whiskers and posture at this tick."""
         ...
 
-    def move(self, velocities: Sequence[Point]) -> None:
-        """One tick: every foot is driven at its velocity in body axes, m/s, in leg order."""
+    def move(self, velocities: Sequence[Point], loads: Sequence[float] | None = None) -> None:
+        """One tick: every foot is driven at its velocity in body axes, m/s, in leg order, and
+        presses with its planned load, N, where there is one.
+        """
         ...
 
     def push(self, fx: float, fy: float, ticks: int) -> None:

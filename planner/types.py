@@ -189,7 +189,7 @@ class Reason(Enum):
     TORSO_TOUCHES = (
         "the torso would touch the ground: it needs {needs:.2f} m, the legs reach {reach:.2f} m"
     )
-    HELD_BACK = "something holds the body back: a leg or the torso is against an obstacle"
+    HELD_BACK = "the body is {off:.0f} mm {side} its legs, again and again"
     # along a trace
     ARRIVED = "the trace ends here"
     NO_WAY_ALONG = "{search}"  # the trace: what stopped the search for states

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from walking_console.planner import registry
-from walking_console.planner.types import Command
+from walking_console.planner.types import TICK, Command
 
 from .tables import Bearing, MapMetres, Registered, Table
 
@@ -99,8 +99,14 @@ class Noise(Table):
 
     position: float = Field(default=0.0, ge=0.0, le=0.1)  # m, position monitors of the feet
     posture_deg: float = Field(default=0.0, ge=0.0, le=10.0)  # pitch and roll
+    delay: float = Field(default=0.0, ge=0.0, le=0.2)  # s, whole ticks, of every reading
 
     @property
     def posture(self) -> float:
         """The same in radians."""
         return math.radians(self.posture_deg)
+
+    @property
+    def late(self) -> int:
+        """Ticks a reading is late."""
+        return round(self.delay / TICK)

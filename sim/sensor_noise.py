@@ -8,6 +8,10 @@ import numpy as np
 
 from walking_console.planner.types import Sensing
 
+# m and rad; readings that scatter less may be acted on in full
+FINE = 0.001
+FINE_ANGLE = 0.002
+
 
 @dataclass(frozen=True, slots=True)
 class SensorNoise:
@@ -17,6 +21,12 @@ class SensorNoise:
     posture: float = 0.0  # rad, roll and pitch
     rate: float = 0.0  # rad/s, turning, per axis
     load: float = 0.0  # N, per foot
+    delay: int = 0  # ticks a reading is late; kept by who asks for readings
+
+    @property
+    def blurs(self) -> bool:
+        """True when no reading can be acted on at once and in full."""
+        return self.position > FINE or self.posture > FINE_ANGLE or self.delay > 0
 
 
 def with_noise(sensing: Sensing, noise: SensorNoise, rng: np.random.Generator) -> Sensing:

@@ -31,6 +31,7 @@ from walking_console.planner.types import (
     Command,
     GaitPreview,
     Mode,
+    Sensing,
     StepPlan,
 )
 
@@ -81,6 +82,8 @@ class Simulation:
         self.planner = self._planner(world)
         self.walk = self._supervisor(world)
         self.perception = Perception(world, self.plant.body, revision)
+        late = world.scenario.noise.late if world.scenario.noise else 0
+        self._readings: deque[Sensing] = deque(maxlen=1 + late)
         self.command = HOLD
         self._mailbox: tuple[Command, int | None] = (HOLD, None)  # and the tick it lapses at
         self.tick_count = 0
@@ -148,10 +151,10 @@ class Simulation:
         if plant.state == "fallen":
             self.tick_count += 1
             return
-        sensing = plant.sense()
+        sensing = self._sensed()
         velocities = self.walk.advance(sensing, command, self.perception.belief)
         x, y = plant.body[0], plant.body[1]
-        plant.move(velocities)
+        plant.move(velocities, self.walk.loads)
         if not command.holds:
             self._count_distance(plant.body[0] - x, plant.body[1] - y, command)
         if self.walk.executed is not None:
@@ -160,6 +163,12 @@ class Simulation:
                 self.perception.learn(learnt)
         self.perception.perceive(sensing, self.walk, plant.body, self.command, self.tick_count)
         self.tick_count += 1
+
+    def _sensed(self) -> Sensing:
+        """The reading that is there now: an old one where sensors are late."""
+        readings = self._readings
+        readings.append(self.plant.sense())
+        return readings[0]
 
     def _newest_command(self) -> Command:
         command, lapses = self._mailbox
@@ -288,7 +297,9 @@ def _plant_in(world: World) -> Plant[Ground]:
     """The machine on its ground, in the posture it begins in."""
     scenario = world.scenario
     wanted = scenario.noise
-    noise = None if wanted is None else SensorNoise(wanted.position, wanted.posture)
+    noise = None
+    if wanted is not None:
+        noise = SensorNoise(wanted.position, wanted.posture, delay=wanted.late)
     rng = np.random.default_rng(scenario.seed)
     make = plant_entry(scenario.plant).make
     return make(world.machine, world.ground, world.stance, noise=noise, rng=rng)

@@ -10,10 +10,13 @@ from ..geometry.transforms import attitude_of, direction
 from ..motion.step_builder import holding_plan
 from ..robot.model import Machine
 from ..types import TICK, Command, Gait, Phase, Point, Sensing, Stance, StepPlan
+from .compliant_controller import CompliantController
 from .foot_controller import ReflexState, reflex
 from .tracking import TrajectoryTracker
 
 END = 1e-9  # s; a plan with less than this to go is over
+SLOWER = 0.5  # of the speed, while a foot slips and for a while after
+AHEAD = 0.7  # cosine, 45°: a body further aside of its course than that is beside its legs
 
 
 class Execution:
@@ -42,6 +45,8 @@ class Execution:
         self.pace = 0.0
         self.reflexes = ReflexState.begin(len(machine.legs))
         self.interrupted: StepPlan | None = None
+        # None: a plant that does exactly what it is told
+        self.compliant = CompliantController.wanted(machine, self.config, self.tolerances)
 
     # the plan
 
@@ -63,6 +68,9 @@ class Execution:
 
     def play(self, plan: StepPlan) -> None:
         """Begin a plan."""
+        if self.compliant is not None:
+            left = self.tracker.duration - self.t
+            self.compliant.take_over(self.tracker, left / max(self.pace, 1.0))
         self.tracker = TrajectoryTracker(plan)
         self.reflexes = self.reflexes.next_step()
         self.t = 0.0
@@ -83,6 +91,8 @@ class Execution:
         if plan.speed <= 0.0:
             return 1.0
         wanted = math.hypot(command.speed, self.machine.yaw_length * command.turn_rate)
+        if self.compliant is not None and self.compliant.slips:
+            wanted *= SLOWER
         if plan.speed_max > 0.0:
             wanted = min(wanted, plan.speed_max)
         ratio = wanted / plan.speed
@@ -103,9 +113,14 @@ class Execution:
 
     def velocities_to(self, t_next: float, sensing: Sensing) -> list[Point]:
         """Level C of this tick: foot velocities in body axes, m/s, in leg order."""
-        velocities, self.reflexes = reflex(
-            self.tracker, t_next, sensing, self.reflexes, self.config.gains, TICK
-        )
+        if self.compliant is None:
+            velocities, self.reflexes = reflex(
+                self.tracker, t_next, sensing, self.reflexes, self.config.gains, TICK
+            )
+        else:
+            velocities, self.reflexes = self.compliant.velocities(
+                self.tracker, t_next, sensing, self.reflexes
+            )
         self.t = t_next
         return velocities
 
@@ -238,3 +253,15 @@ def feet_absolute(sensing: Sensing) -> tuple[Point, ...]:
         pz = cp * rz - sp * fx
         feet.append((x + cy * px - sy * ry, y + sy * px + cy * ry, z + pz))
     return tuple(feet)
+
+
+def off_place(run: Execution, sensing: Sensing) -> dict[str, float | str]:
+    """How far the body is from where its legs should have it, mm, and to which side of it."""
+    x, y, _, yaw = run.tracker.body_at(run.t)
+    dx = sensing.body[0] - x
+    dy = sensing.body[1] - y
+    ahead = math.cos(math.atan2(dy, dx) - yaw - run.plan.crab_angle)
+    side = "beside"
+    if abs(ahead) > AHEAD:
+        side = "ahead of" if ahead > 0.0 else "behind"
+    return {"off": 1000.0 * math.hypot(dx, dy), "side": side}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from ..motion.step_builder import changed
 from ..types import Blocked, Command, Reason, Stance, StepPlan
 from .activities import Event
+from .execution import off_place
 from .walk_state import Now, WalkState
 
 
@@ -17,6 +18,7 @@ class StepController:
         self._job = state.job
         # steps running that were cut short because the body was not where they had it
         self._held = 0
+        self._off: dict[str, float | str] = {}  # how far off, when it was last
 
     def start(self, now: Now) -> None:
         """From standing: plan the first step now; when it is ready, walk."""
@@ -26,7 +28,7 @@ class StepController:
         if self._held >= self._run.config.tracking.held_max:
             self._held = 0
             job.refused = (now.command, now.terrain)
-            self._state.blocked = Blocked(Reason.HELD_BACK)
+            self._state.blocked = Blocked(Reason.HELD_BACK, facts=self._off)
             return
         stance = job.stance_asked(now.command, now.terrain)
         if stance is None:
@@ -37,9 +39,10 @@ class StepController:
             self._begin(answer, stance, 0.0, now.command)
             job.refused = (asked.command, now.terrain)
 
-    def count_held_back(self) -> None:
+    def count_held_back(self, now: Now) -> None:
         """A step is cut short because the body is not where it has it."""
         self._held += 1
+        self._off = off_place(self._run, now.sensing)
 
     def switch(self, now: Now, left: float) -> float:
         """N_{k+1}: the running step is over; ``left`` seconds of this tick belong to the next one.

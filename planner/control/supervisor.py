@@ -126,6 +126,12 @@ class GaitSupervisor:
         return self.plan.speed * self.run.pace if self.steps else 0.0
 
     @property
+    def loads(self) -> tuple[float, ...] | None:
+        """What the legs are to press with, N; None for a plant whose legs do not give."""
+        compliant = self.run.compliant
+        return None if compliant is None else compliant.loads
+
+    @property
     def mode(self) -> Mode:
         """What it is at, in the words of the log."""
         activity = self.state.activity
@@ -166,6 +172,8 @@ class GaitSupervisor:
         state = self.state
         state.executed = None
         command = self.job.planner.heed(command)
+        if self.run.compliant is not None:
+            sensing = self.run.compliant.believed(sensing)
         now = Now(sensing, command, terrain, command.holds)
         postures = self.postures
         if postures.wanted or postures.low or state.activity is Activity.POSTURE:
@@ -183,11 +191,13 @@ class GaitSupervisor:
         if now.holds:
             self.state.stop(now)
         elif self.run.held_back(now.sensing):
-            self._steps.count_held_back()
+            self._steps.count_held_back(now)
             self.state.stop(now)
         elif not self.contacts.is_surprised(now):
             end = self.run.tracker.plan.end
             self.job.consider(end, now.command, now.terrain, self.job.settings.slices)
+            if self.run.compliant is not None:
+                self.run.compliant.foresee(self.job.ready)
 
     def _posturing(self, now: Now) -> None:
         if not self.postures.is_still_wanted or self.run.held_back(now.sensing):

@@ -45,8 +45,6 @@ class KinematicPlant:
     ``rng``. Raises ``ValueError`` for a stance of another machine.
     """
 
-    tolerances = Tolerances()  # servos follow exactly: what is off is off by rounding
-
     def __init__(
         self,
         machine: Machine,
@@ -76,6 +74,24 @@ class KinematicPlant:
         self._support = Support(q)
         self._falling = Falling(q)
         self._support.take_stock()
+
+    @property
+    def tolerances(self) -> Tolerances:
+        """Servos follow exactly, so that what is off is off by rounding, or by what sensors
+        scatter.
+        """
+        noise = self.noise
+        if noise is None or not noise.blurs:
+            return Tolerances()
+        return Tolerances(
+            same_place=max(0.005, noise.position),
+            held_back=0.05,
+            body_off=0.01,
+            foot_off=0.03,
+            law="inertia",
+            position_noise=noise.position,
+            posture_noise=noise.posture,
+        )
 
     # -- what the machine senses
 
@@ -134,9 +150,9 @@ class KinematicPlant:
 
     # -- one tick
 
-    def move(self, velocities: Sequence[Point]) -> None:
+    def move(self, velocities: Sequence[Point], loads: Sequence[float] | None = None) -> None:
         """One tick: every foot is driven at its velocity in body axes, m/s, within its limits and
-        its mechanical reach.
+        its mechanical reach. What legs press with makes no odds to legs that do not give.
         """
         self.tick += 1
         if self.state == "fallen":

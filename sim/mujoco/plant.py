@@ -123,7 +123,16 @@ class PhysicsPlant:
     @property
     def tolerances(self) -> Tolerances:
         """How exactly it does what it is told: legs that give, odometry that drifts."""
-        return Tolerances(same_place=0.005, held_back=0.05, body_off=0.01, foot_off=0.03)
+        noise = self._noise or SensorNoise()
+        return Tolerances(
+            same_place=0.005,
+            held_back=0.05,
+            body_off=0.01,
+            foot_off=0.03,
+            law="inertia",
+            position_noise=noise.position,
+            posture_noise=noise.posture,
+        )
 
     @property
     def carrying(self) -> tuple[int, ...]:

@@ -64,7 +64,7 @@ def test_every_theme_is_a_frozen_value_of_numbers():
             setattr(settings, fields(settings)[0].name, 1.0)
         for each in fields(settings):
             value = getattr(settings, each.name)
-            assert value is None or isinstance(value, int | float)
+            assert value is None or isinstance(value, int | float | str)
 
 
 def test_a_scenario_sets_them_and_says_what_it_cannot():
@@ -85,3 +85,17 @@ def test_how_far_a_body_may_be_pushed_aside_before_the_step_stops_is_a_setting(h
     aside = sensing._replace(body=(x, y + 0.02, *rest))
     assert not simulation.walk.run.held_back(sensing)
     assert simulation.walk.run.held_back(aside) is stops
+
+
+def test_a_law_is_one_of_those_there_are():
+    assert configured({"gains": {"law": "printed"}}).gains.law == "printed"
+    with pytest.raises(
+        ValueError, match="config.gains.law should be one of exact, inertia, printed"
+    ):
+        configured({"gains": {"law": "stiff"}})
+
+
+def test_a_scenario_chooses_the_law_instead_of_the_plant():
+    law = ("config.gains.law=inertia",)
+    assert Simulation(load_scenario("flat")).walk.loads is None
+    assert len(Simulation(load_scenario("flat", law)).walk.loads or ()) == 4

@@ -45,9 +45,10 @@ def test_what_was_refused_is_not_asked_again_until_command_or_map_changes():
 def test_a_body_held_back_again_and_again_says_so():
     state, steps = walker(swing_plan(), config=configured({"tracking": {"held_max": 2}}))
     for _ in range(2):
-        steps.count_held_back()
+        steps.count_held_back(now(terrain=GROUND, body=(-0.03, 0.0, HEIGHT, 0.0, 0.0, 0.0)))
     steps.start(now(terrain=GROUND))
     assert state.blocked is not None and state.blocked.reason is Reason.HELD_BACK
+    assert state.blocked.text == "the body is 30 mm behind its legs, again and again"
     assert not state.job.planner.asked
 
 

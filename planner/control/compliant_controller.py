@@ -1,0 +1,275 @@
+"""Level C (H §8) for a machine whose legs give and whose body has inertia.
+
+Every foot gets the velocity its plan has it at in body axes, and a few percent a tick of what its
+position monitor says it is off; legs that carry share one rigid motion of the body. The torso is
+levelled by (36) from its posture and its rates, its height kept by (37), and each leg presses with
+its planned load. The body's absolute place is not fed back: the next step begins where it is.
+Body axes and angles as in ``foot_controller``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from ..config import Compliance, Gains, PlannerConfig, Tolerances
+from ..geometry.transforms import attitude_of, left_fold_sum
+from ..robot.model import Machine
+from ..statics import RAMP
+from ..types import TICK, Point, Sensing, StepPlan
+from .foot_controller import ZERO, ReflexState
+from .load_schedule import LoadSchedule, body_frame_feet
+from .sensor_filter import SensorFilter
+from .tracking import PlanStretch, TrajectoryTracker
+
+WALKED_IN_A_TICK = 1.5 * TICK  # s; more of a plan than this is broken off, not left over
+SLIP_TICKS = 50  # a slip is remembered; fewer: see it speed up and slip again
+UNLOADED = 0.02  # of a leg's even share; a foot meant to carry less is not made to reach for it
+
+
+class CompliantController:
+    """Level C of one walker, from plan to plan: ``loads`` are what its legs are to press with, N.
+
+    ``printed``: (33) to (38) as they stand, every leg after its own reference.
+    """
+
+    def __init__(self, machine: Machine, config: PlannerConfig, printed: bool = False) -> None:
+        self.loads: tuple[float, ...] = (0.0,) * len(machine.legs)
+        self.slips = False  # a foot slips, or has just slipped
+        self._machine = machine
+        self._gains = _as_printed(config.gains) if printed else config.compliance
+        self._printed = printed
+        self._schedule: LoadSchedule | None = None
+        self._since: dict[int, float] = {}  # s since feet came down before the plan
+        self._aims: list[Point] | None = None  # where the plan has the feet now, body axes
+        self._rest: list[Point] | None = None  # of the way of the plan before
+        self._following: StepPlan | None = None
+        self._last: Sequence[float] = ()  # loads of the tick before, N
+        self._offset: list[float] = []  # of the loads of the plan before from this one's
+        self._blend = 0.0  # of that offset there is still
+        self._filter: SensorFilter | None = None
+        self._slipped = 0  # ticks that a slip is still remembered
+
+    @staticmethod
+    def wanted(
+        machine: Machine, config: PlannerConfig, plant: Tolerances
+    ) -> CompliantController | None:
+        """The one a plant asks for, or a scenario; None for a plant that does what it is told."""
+        law = config.gains.law or plant.law
+        if law == "exact":
+            return None
+        controller = CompliantController(machine, config, law == "printed")
+        if plant.scatters:
+            controller._filter = SensorFilter(config.compliance.filter)
+        return controller
+
+    def believed(self, sensing: Sensing) -> Sensing:
+        """What is believed of a reading: all of it, unless the sensors scatter. A foot that slips
+        is taken note of.
+        """
+        slips = any(on and slid for on, slid in zip(sensing.soles, sensing.slipping, strict=True))
+        self._slipped = SLIP_TICKS if slips else max(0, self._slipped - 1)
+        self.slips = self._slipped > 0
+        return sensing if self._filter is None else self._filter.believed(sensing)
+
+    def take_over(self, old: TrajectoryTracker, left: float) -> None:
+        """Another plan begins. What is ``left`` of the old one, s, is walked in its first tick when
+        that is all there was to walk in one.
+        """
+        over = left <= WALKED_IN_A_TICK
+        self._since = self._schedule.since_landing() if over and self._schedule else {}
+        self._rest = None
+        if over and self._aims is not None:
+            air = old.stretches[-1].air
+            ends = zip(body_frame_feet(old, old.duration), self._aims, strict=True)
+            self._rest = [
+                ZERO if leg in air else _scaled(_minus(end, aim), 1.0 / TICK)
+                for leg, (end, aim) in enumerate(ends)
+            ]
+        self._schedule = None
+        self._following = None
+        self._aims = None
+
+    def velocities(
+        self, tracker: TrajectoryTracker, t_next: float, sensing: Sensing, state: ReflexState
+    ) -> tuple[list[Point], ReflexState]:
+        """One tick: the feet's velocities in body axes, m/s, that follow the plan to ``t_next``."""
+        wanted = self._wanted(tracker, t_next)
+        self.loads = tuple(self._gains.press * load for load in wanted)
+        before = self._aims or body_frame_feet(tracker, 0.0)
+        aims = body_frame_feet(tracker, t_next)
+        self._aims = aims
+        ahead = [_scaled(_minus(a, b), 1.0 / TICK) for a, b in zip(aims, before, strict=True)]
+        off = [_minus(b, foot) for b, foot in zip(before, sensing.feet_b, strict=True)]
+        stretch = tracker.stretches[tracker.stretch(t_next)]
+        state = _with_landed(state, stretch, sensing)
+        landed = [leg for leg in stretch.air if state.landed[leg]]
+        k = self._gains.position / TICK
+        out = [_plus(v, _scaled(error, k)) for v, error in zip(ahead, off, strict=True)]
+        if stretch.stand:
+            if landed or not self._printed:
+                self._carry(out, stretch.stand, landed, sensing, ahead, off)
+            self._level(out, (*stretch.stand, *landed), sensing, _tilt(tracker, t_next, sensing))
+            _reach(out, (*stretch.stand, *landed), sensing, wanted, self._gains.pliancy)
+        if self._rest is not None:
+            out = [_plus(v, rest) for v, rest in zip(out, self._rest, strict=True)]
+            self._rest = None
+        if self._filter is not None:
+            self._filter.expect(out)
+        return out, state
+
+    def foresee(self, following: StepPlan | None) -> None:
+        """What is played after the running plan, as soon as it is known."""
+        if following is not self._following and following is not None and self._schedule:
+            self._schedule.foresee(following)
+        self._following = following
+
+    def _wanted(self, tracker: TrajectoryTracker, t: float) -> Sequence[float]:
+        """What the legs are to carry. A plan that begins otherwise than the last one ended takes
+        the loads over from it.
+        """
+        if self._schedule is None:
+            self._schedule = LoadSchedule(tracker, self._machine, self._since)
+            starts = self._schedule.at(t)
+            last = self._last or starts
+            self._offset = [a - b for a, b in zip(last, starts, strict=True)]
+            self._blend = 1.0
+        wanted = self._schedule.at(t)
+        if self._blend > 0.0:
+            self._blend = max(0.0, self._blend - TICK / RAMP)
+            wanted = tuple(a + self._blend * b for a, b in zip(wanted, self._offset, strict=True))
+        self._last = wanted
+        return wanted
+
+    def _carry(
+        self,
+        out: list[Point],
+        stand: Sequence[int],
+        landed: Sequence[int],
+        sensing: Sensing,
+        ahead: Sequence[Point],
+        off: Sequence[Point],
+    ) -> None:
+        """(34), (35): one rigid motion for all that carry, so that they do not pull against each
+        other.
+        """
+        feet = sensing.feet_b
+        on = [leg for leg in stand if sensing.soles[leg]] or list(stand)
+        closing = RigidMotion.nearest([feet[leg] for leg in on], [off[leg] for leg in on])
+        moving = RigidMotion.nearest([feet[leg] for leg in stand], [ahead[leg] for leg in stand])
+        k = self._gains.position / TICK
+        height = self._gains.height / TICK
+        for leg in (*stand, *landed):
+            if self._printed and leg in stand:
+                continue
+            vx, vy, vz = ahead[leg] if leg in stand else moving.at(feet[leg])
+            ex, ey, ez = closing.at(feet[leg])
+            out[leg] = (vx + k * ex, vy + k * ey, vz + height * ez)
+
+    def _level(
+        self, out: list[Point], legs: Sequence[int], sensing: Sensing, tilt: tuple[float, float]
+    ) -> None:
+        """Second term of (36), C1 (-x θ_p + y θ_r), and as much against the turning itself."""
+        c1 = self._gains.posture / TICK
+        roll = c1 * tilt[0] + self._gains.rate * sensing.rates[0]
+        pitch = c1 * tilt[1] + self._gains.rate * sensing.rates[1]
+        for leg in legs:
+            x, y, _ = sensing.feet_b[leg]
+            vx, vy, vz = out[leg]
+            out[leg] = (vx, vy, vz + y * roll - x * pitch)
+
+
+def _as_printed(gains: Gains) -> Compliance:
+    """Weights of (33) to (38) as they stand: nothing pressed, no rates."""
+    return Compliance(
+        gains.position, gains.position, gains.posture, rate=0.0, pliancy=gains.pliancy, press=0.0
+    )
+
+
+def _with_landed(state: ReflexState, stretch: PlanStretch, sensing: Sensing) -> ReflexState:
+    """Early touchdown: a foot on its way down whose sole switches on joins the support."""
+    if not stretch.down:
+        return state
+    return state._replace(
+        landed=tuple(
+            on or (leg in stretch.air and sensing.soles[leg]) for leg, on in enumerate(state.landed)
+        )
+    )
+
+
+class RigidMotion(NamedTuple):
+    """A small rigid motion of the body's feet: along x, y, z and turning about a middle."""
+
+    x: float
+    y: float
+    z: float
+    turn: float
+    middle: tuple[float, float]
+
+    @staticmethod
+    def nearest(spots: Sequence[Point], moves: Sequence[Point]) -> RigidMotion:
+        """The one nearest to how so many spots move."""
+        n = len(spots)
+        cx = left_fold_sum(spot[0] for spot in spots) / n
+        cy = left_fold_sum(spot[1] for spot in spots) / n
+        mx, my, mz = (left_fold_sum(move[k] for move in moves) / n for k in range(3))
+        around = 0.0
+        spread = 0.0
+        for spot, move in zip(spots, moves, strict=True):
+            x = spot[0] - cx
+            y = spot[1] - cy
+            around += x * (move[1] - my) - y * (move[0] - mx)
+            spread += x * x + y * y
+        return RigidMotion(mx, my, mz, around / spread if spread > 0.0 else 0.0, (cx, cy))
+
+    def at(self, spot: Point) -> Point:
+        """How it moves one spot."""
+        x = spot[0] - self.middle[0]
+        y = spot[1] - self.middle[1]
+        return self.x - self.turn * y, self.y + self.turn * x, self.z
+
+
+def _tilt(tracker: TrajectoryTracker, t: float, sensing: Sensing) -> tuple[float, float]:
+    """Roll and pitch, rad, beyond what the plan has."""
+    _, _, _, roll, pitch, yaw = sensing.body
+    wanted = attitude_of(tracker.lean_at(t), yaw) if tracker.leans else (0.0, 0.0)
+    return roll - wanted[0], pitch - wanted[1]
+
+
+def _reach(
+    out: list[Point],
+    legs: Sequence[int],
+    sensing: Sensing,
+    loads: Sequence[float],
+    pliancy: float,
+) -> None:
+    """Third term of (36), C2 Δz: legs that carry less than they are to reach down, and the others
+    give way as much.
+    """
+    missing = {leg: _missing(leg, sensing, loads) for leg in legs}
+    mean = left_fold_sum(missing.values()) / len(legs)
+    for leg in legs:
+        x, y, z = out[leg]
+        out[leg] = (x, y, z - (missing[leg] - mean) * pliancy / TICK)
+
+
+def _missing(leg: int, sensing: Sensing, loads: Sequence[float]) -> float:
+    """How much of a leg's load is missing, as a share of an even one, from -1 to 1."""
+    even = left_fold_sum(loads) / len(loads)
+    if even <= 0.0:
+        return 0.0
+    if not sensing.loads:
+        return 0.0 if sensing.soles[leg] or loads[leg] < UNLOADED * even else 1.0
+    return max(-1.0, min(1.0, (loads[leg] - sensing.loads[leg]) / even))
+
+
+def _minus(a: Point, b: Point) -> Point:
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+def _plus(a: Point, b: Point) -> Point:
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+def _scaled(a: Point, k: float) -> Point:
+    return k * a[0], k * a[1], k * a[2]
