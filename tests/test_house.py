@@ -381,23 +381,23 @@ Bar = Callable[[], Count]
 AT_MOST: dict[Bar, float] = {
     import_names_installed: 1,
     public_names: 15,
-    long_lines: 14,  # 0
+    long_lines: 0,
     names_per_line_median: 4,
-    tuple_assignments_per_1000_lines: 9,  # 5
-    nested_conditionals: 1,  # 0
+    tuple_assignments_per_1000_lines: 6.5,  # 5
+    nested_conditionals: 0,
     function_lines_median: 10,
     function_lines_nine_in_ten: 30,
-    long_functions: 6,
+    long_functions: 4,
     long_classes: 0,
     classes_of_many_attributes: 0,
-    type_names_with_several_meanings: 8,  # 3
+    type_names_with_several_meanings: 4,  # 3
     places_that_build_a_step_plan: 1,
-    cos_sin_pairs_outside_geometry: 14,  # 5
+    cos_sin_pairs_outside_geometry: 5,
     registered_names_compared: 0,
     planners_imported_outside_the_registry: 0,
-    crab_lines: 3930,  # 3000
+    crab_lines: 3661,  # 3000
     crab_floors: 8,
-    without_a_test_file: 18,  # 0
+    without_a_test_file: 7,  # 0
     without_an_assertion: 0,
 }
 AT_LEAST: dict[Bar, float] = {examples: 12, walks_recorded: 40}
