@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from walking_console.planner.geometry.transforms import quaternion
 from walking_console.planner.types import TICK
 from walking_console.sim.runs.run_files import (
     GROUND_DIMENSIONS,
@@ -124,8 +125,8 @@ def step_message(step: Mapping[str, Any]) -> Message:
 def transforms_message(log: Log, row: int, at: int) -> Message:
     """Where the body and every foot are, as frames."""
     x, y, z, *angles = log["body"][row].tolist()
-    frames = [_transform(at, TORSO, (x, y, z), quaternion(*angles))]
-    level = quaternion(0.0, 0.0, 0.0)
+    frames = [_transform(at, TORSO, (x, y, z), orientation(*angles))]
+    level = orientation(0.0, 0.0, 0.0)
     for leg, foot in enumerate(log["feet"][row].tolist(), 1):
         frames.append(_transform(at, f"foot{leg}", foot, level))
     return {"transforms": frames}
@@ -202,21 +203,14 @@ def grid_message(ground: Log) -> Message:
     }
 
 
-def quaternion(roll: float, pitch: float, yaw: float) -> Message:
+def orientation(roll: float, pitch: float, yaw: float) -> Message:
     """Yaw about z, then pitch about y, then roll about x, as the log has them."""
-    cr, sr = math.cos(roll / 2), math.sin(roll / 2)
-    cp, sp = math.cos(pitch / 2), math.sin(pitch / 2)
-    cy, sy = math.cos(yaw / 2), math.sin(yaw / 2)
-    return {
-        "x": sr * cp * cy - cr * sp * sy,
-        "y": cr * sp * cy + sr * cp * sy,
-        "z": cr * cp * sy - sr * sp * cy,
-        "w": cr * cp * cy + sr * sp * sy,
-    }
+    w, x, y, z = quaternion(roll, pitch, yaw)
+    return {"x": x, "y": y, "z": z, "w": w}
 
 
 def _pose(place: Sequence[float]) -> Message:
-    return {"position": _point(place), "orientation": quaternion(0.0, 0.0, 0.0)}
+    return {"position": _point(place), "orientation": orientation(0.0, 0.0, 0.0)}
 
 
 def _point(place: Sequence[float]) -> Message:

@@ -16,8 +16,8 @@ from dataclasses import MISSING, Field, dataclass, field, fields
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..types import Array
 from .paths import SampledPath
 from .transforms import XY, Pose, direction, directions, turned_back
 
@@ -28,8 +28,7 @@ SPLINE_YAW_LENGTH = 0.5  # m/rad, only spreads the parameter of the spline throu
 APART = 1e-6  # m; two waypoints nearer than this are the same
 YAWS = ("tangent", "fixed")
 
-Floats = NDArray[np.float64]
-Drawn = tuple[Floats, Floats, Floats]  # x m, y m, yaw rad, finely
+Drawn = tuple[Array, Array, Array]  # x m, y m, yaw rad, finely
 
 
 class TraceError(ValueError):
@@ -278,9 +277,7 @@ def sampled(path: GivenPath, yaw_length: float, start: Pose, step: float = STEP)
     return resampled(x0 + c * x - s * y, y0 + s * x + c * y, yaw + yaw0, yaw_length, step)
 
 
-def resampled(
-    x: Floats, y: Floats, yaw: Floats, yaw_length: float, step: float = STEP
-) -> SampledPath:
+def resampled(x: Array, y: Array, yaw: Array, yaw_length: float, step: float = STEP) -> SampledPath:
     """The polyline at equal steps of s; ``yaw`` continuous, not wrapped. Raises ``TraceError``."""
     s = np.concatenate([[0.0], np.cumsum(_lengths(x, y, yaw, yaw_length))])
     if not s[-1] <= LENGTH_MAX:
@@ -294,13 +291,13 @@ def resampled(
 # -- drawing
 
 
-def _lengths(x: Floats, y: Floats, yaw: Floats, yaw_length: float) -> Floats:
+def _lengths(x: Array, y: Array, yaw: Array, yaw_length: float) -> Array:
     """ds of every stretch between points."""
     squares = np.diff(x) ** 2 + np.diff(y) ** 2 + (yaw_length * np.diff(yaw)) ** 2
     return np.asarray(np.sqrt(squares))
 
 
-def _fine(length: float) -> Floats:
+def _fine(length: float) -> Array:
     """0 to ``length`` in steps of at most 2 mm."""
     if not abs(length) <= LENGTH_MAX:
         raise TraceError(
@@ -309,7 +306,7 @@ def _fine(length: float) -> Floats:
     return np.linspace(0.0, length, max(int(abs(length) / FINE), 2) + 1)
 
 
-def _follow(x: Floats, y: Floats, yaw: str) -> Drawn:
+def _follow(x: Array, y: Array, yaw: str) -> Drawn:
     """Yaw along the tangent, turned so that the path begins straight ahead, or fixed."""
     if yaw == "fixed":
         return x, y, np.zeros_like(x)
@@ -337,7 +334,7 @@ def _square(reach: float) -> list[XY]:
     return [(x, y) for x in (-reach, reach) for y in (-reach, reach)]
 
 
-def _table(points: Any) -> Floats:
+def _table(points: Any) -> Array:
     """Waypoints as rows of x m, y m, yaw rad."""
     if not isinstance(points, Sequence) or len(points) < 2:
         raise TraceError(f"waypoints must be at least two [x, y, yaw_deg], got {points!r:.80}")
@@ -356,7 +353,7 @@ def _is_waypoint(row: Any) -> bool:
     return all(Limits(-math.inf, math.inf).admit(v) and math.isfinite(v) for v in row)
 
 
-def _spline(knots: Floats, values: Floats, at: Floats) -> Floats:
+def _spline(knots: Array, values: Array, at: Array) -> Array:
     """Natural cubic spline: second derivatives from one tridiagonal system."""
     n = len(knots)
     h = np.diff(knots)

@@ -81,6 +81,19 @@ def rotation(roll: float, pitch: float, yaw: float) -> Matrix:
     )
 
 
+def quaternion(roll: float, pitch: float, yaw: float) -> tuple[float, float, float, float]:
+    """The turn of ``rotation`` as a unit quaternion w, x, y, z."""
+    cr, sr = math.cos(roll / 2), math.sin(roll / 2)
+    cp, sp = math.cos(pitch / 2), math.sin(pitch / 2)
+    cy, sy = math.cos(yaw / 2), math.sin(yaw / 2)
+    return (
+        cr * cp * cy + sr * sp * sy,
+        sr * cp * cy - cr * sp * sy,
+        cr * sp * cy + sr * cp * sy,
+        cr * cp * sy - sr * sp * cy,
+    )
+
+
 def turned_by(matrix: Matrix, vector: Point) -> Point:
     """A vector of body axes in absolute axes, by the rows of a rotation matrix."""
     a, b, c = matrix

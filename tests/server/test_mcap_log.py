@@ -15,7 +15,7 @@ from mcap.reader import make_reader
 
 from tests.server.command_line import called
 from walking_console.planner.geometry.transforms import rotation
-from walking_console.server.mcap_log import quaternion, step_message
+from walking_console.server.mcap_log import orientation, step_message
 from walking_console.server.mcap_schemas import SCHEMAS, Schema
 
 PLAIN = {"number", "integer", "string", "boolean"}
@@ -123,7 +123,7 @@ def test_a_step_leaves_out_what_it_lacks_and_says_its_decision_as_text() -> None
 
 def test_a_quaternion_turns_like_the_angles() -> None:
     angles = (0.3, -0.4, 1.2)
-    q = quaternion(*angles)
+    q = orientation(*angles)
     x, y, z, w = q["x"], q["y"], q["z"], q["w"]
     assert math.hypot(x, y, z, w) == pytest.approx(1.0)
     turned = [1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)]

@@ -22,7 +22,7 @@ from walking_console.sim.runs.runner import run_scenario
 from walking_console.sim.scenario_files import load_scenario, scenario_from
 from walking_console.sim.world import prepare
 
-Array = NDArray[Any]
+Values = NDArray[Any]
 
 
 class FigureError(ValueError):
@@ -50,7 +50,7 @@ class RecordedWalk:
     """
 
     summary: dict[str, Any]
-    log: dict[str, Array]
+    log: dict[str, Values]
     steps: list[dict[str, Any]]
     ground: TerrainMap
     believed: TerrainMap
@@ -58,12 +58,12 @@ class RecordedWalk:
     gait: Gait
 
     @property
-    def body(self) -> Array:
+    def body(self) -> Values:
         """x, y, z, roll, pitch, yaw at every row, (T, 6)."""
         return self.log["body"]
 
     @cached_property
-    def way(self) -> Array:
+    def way(self) -> Values:
         """Planar path length of the CoG at every row, m (T,)."""
         pieces = np.hypot(*np.diff(self.body[:, :2], axis=0).T)
         return np.concatenate([[0.0], np.cumsum(pieces)])
@@ -94,7 +94,7 @@ class RecordedWalk:
         stance = replace(self.stance(k - 1), quarter_turns=nominal.quarter_turns)
         return nominal, posture_of(nominal, stance)
 
-    def height_at(self, x: Array, y: Array) -> Array:
+    def height_at(self, x: Values, y: Values) -> Values:
         """True ground under points, m; NaN in holes. Beyond the map that of its edge."""
         heights = self.ground.heights
         x0, y0 = self.ground.origin

@@ -17,7 +17,7 @@ from walking_console.planner.geometry.transforms import direction, turned
 from walking_console.sim.runs.metrics import SPACING, average_rule
 
 from ..scene.palette import LEGS
-from .run_data import Array, RecordedWalk
+from .run_data import RecordedWalk, Values
 from .style import EARTH, INK, PALE, TORSO
 
 DEEP = 0.25  # m of ground drawn below its lowest point
@@ -26,14 +26,14 @@ NEAR_SIDE = (2, 3)  # legs on the right, drawn stronger: the viewer stands there
 FORESHORTENED = 0.5  # share of a hip's sideways place that shows when the body is seen askew
 
 
-def along(walk: RecordedWalk, points: Array, angle: float) -> Array:
+def along(walk: RecordedWalk, points: Values, angle: float) -> Values:
     """How far points (..., 2) lie ahead of the start along an absolute direction, m."""
     x, y = walk.body[0, :2]
     c, s = direction(angle)
     return np.asarray((points[..., 0] - x) * c + (points[..., 1] - y) * s)
 
 
-def across(walk: RecordedWalk, points: Array, angle: float) -> Array:
+def across(walk: RecordedWalk, points: Values, angle: float) -> Values:
     """How far points (..., 2) lie to the left of the line through the start along an absolute
     direction, m.
     """
@@ -95,7 +95,7 @@ def foot_paths(
         _foot_path(ax, walk, leg, along(walk, shown[:, leg, :2], angle), shown[:, leg, 2])
 
 
-def _foot_path(ax: Axes, walk: RecordedWalk, leg: int, way: Array, height: Array) -> None:
+def _foot_path(ax: Axes, walk: RecordedWalk, leg: int, way: Values, height: Values) -> None:
     """One foot's path, with a dot wherever it came down."""
     near = leg in NEAR_SIDE
     look: dict[str, Any] = {"lw": 1.0 if near else 0.7, "alpha": 1.0 if near else 0.55}
@@ -128,7 +128,7 @@ def _average_rule(walk: RecordedWalk) -> tuple[Any, ...]:
     return average_rule(walk.log, ends, walk.gait.height)
 
 
-def average_of_carrying(walk: RecordedWalk) -> Array:
+def average_of_carrying(walk: RecordedWalk) -> Values:
     """The same rule taken tick by tick over the feet that carry: it jumps at every lift and
     landing.
     """
@@ -137,7 +137,7 @@ def average_of_carrying(walk: RecordedWalk) -> Array:
     return np.asarray(feet + walk.gait.height)
 
 
-def second_differences(walk: RecordedWalk) -> list[tuple[Array, Array]]:
+def second_differences(walk: RecordedWalk) -> list[tuple[Values, Values]]:
     """Places along the course, and the second differences of height there: as walked, and by the
     average-height rule.
     """

@@ -21,7 +21,7 @@ from walking_console.planner.geometry.paths import Box
 from walking_console.planner.geometry.transforms import Pose
 
 from ..scene.palette import LEGS
-from .run_data import Array, FigureError
+from .run_data import FigureError, Values
 
 INK = "#1d2327"
 PALE = "#9aa3a9"
@@ -160,7 +160,7 @@ def arrow(ax: Axes, start: Sequence[float], end: Sequence[float], **look: Any) -
 
 
 def cells(
-    ax: Axes, mask: Array, cell: float, origin: Sequence[float] | Array, shown: Box, **look: Any
+    ax: Axes, mask: Values, cell: float, origin: Sequence[float] | Values, shown: Box, **look: Any
 ) -> None:
     """The marked cells of a map within a box as one outline."""
     window = _cells_within(mask, cell, origin, shown)
@@ -177,7 +177,7 @@ def cells(
 
 
 def _cells_within(
-    mask: Array, cell: float, origin: Sequence[float] | Array, shown: Box
+    mask: Values, cell: float, origin: Sequence[float] | Values, shown: Box
 ) -> CellBlock:
     """The cells of a map that a box covers."""
     x1, x2, y1, y2 = shown
@@ -189,7 +189,7 @@ def _cells_within(
     )
 
 
-def _blocks(mask: Array, window: CellBlock) -> list[CellBlock]:
+def _blocks(mask: Values, window: CellBlock) -> list[CellBlock]:
     """The marked cells as rectangles: equal runs of neighbouring rows are one."""
     done: list[CellBlock] = []
     open_blocks: dict[tuple[int, int], CellBlock] = {}  # that the row above ended with
@@ -204,7 +204,7 @@ def _blocks(mask: Array, window: CellBlock) -> list[CellBlock]:
     return sorted([*done, *open_blocks.values()], key=lambda block: (block.r0, block.c0))
 
 
-def runs(line: Array) -> list[tuple[int, int]]:
+def runs(line: Values) -> list[tuple[int, int]]:
     """Where a row of flags is true: first and one past last of every run."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], line, [False]]).astype(np.int8)))
     return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]

@@ -20,7 +20,7 @@ from .terrain_tiles import TerrainTiles
 from .types import Change, Floats, Segments
 
 Colours = NDArray[np.uint8]  # of line segments, (n, 2 ends, 3)
-Foothold = tuple[float, float, float, int]  # x, y, z, leg
+Landing = tuple[float, float, float, int]  # x, y, z, leg
 
 START_COLOUR = (232, 236, 242)
 PAST_GOAL = (88, 104, 124)  # the path beyond what the preview was asked for
@@ -230,7 +230,7 @@ def _bar_across(start: Floats, end: Floats) -> Floats:
     return np.array([start - DEAD_END * across, start + DEAD_END * across])
 
 
-def foothold_rings(footholds: Sequence[Foothold]) -> Segments:
+def foothold_rings(footholds: Sequence[Landing]) -> Segments:
     """A level ring round every foothold, as line segments."""
     rim = np.column_stack([circle(RING, RING_CORNERS), np.full(RING_CORNERS, LIFT)])
     middles = np.array([foothold[:3] for foothold in footholds]).reshape(-1, 3)
@@ -239,7 +239,7 @@ def foothold_rings(footholds: Sequence[Foothold]) -> Segments:
     return pieces.reshape(-1, 2, 3).astype(np.float32)
 
 
-def ring_colours(footholds: Sequence[Foothold]) -> Colours:
+def ring_colours(footholds: Sequence[Landing]) -> Colours:
     """The colours of those line segments: a leg's own."""
     each = [for_scene(LEGS[foothold[3]]) for foothold in footholds]
     colours = np.array(each, np.uint8).reshape(-1, 3)

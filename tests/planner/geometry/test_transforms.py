@@ -65,6 +65,16 @@ def test_a_rotation_is_roll_then_pitch_then_yaw(roll, pitch, yaw):
     assert tf.turned_back_by(matrix, turned) == pytest.approx(POINT)
 
 
+@pytest.mark.parametrize("yaw", ANGLES)
+def test_a_quaternion_turns_as_the_rotation_does(yaw):
+    angles = (0.2, -0.3, yaw)
+    w, x, y, z = tf.quaternion(*angles)
+    assert w * w + x * x + y * y + z * z == pytest.approx(1.0)
+    axis, vector = np.array([x, y, z]), np.array(POINT)
+    turned = vector + 2.0 * np.cross(axis, np.cross(axis, vector) + w * vector)
+    assert tuple(turned) == pytest.approx(tf.turned_by(tf.rotation(*angles), POINT))
+
+
 def test_nose_down_and_left_side_up_are_positive():
     assert tf.turned_by(tf.rotation(0.0, 0.1, 0.0), (1.0, 0.0, 0.0))[2] < 0.0
     assert tf.turned_by(tf.rotation(0.1, 0.0, 0.0), (0.0, 1.0, 0.0))[2] > 0.0
