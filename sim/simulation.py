@@ -17,7 +17,7 @@ import numpy as np
 from walking_console.planner import registry, stability
 from walking_console.planner.control.execution import Execution
 from walking_console.planner.control.supervisor import GaitSupervisor
-from walking_console.planner.geometry.transforms import direction
+from walking_console.planner.geometry.transforms import XY, direction
 from walking_console.planner.protocols import (
     Planner,
     PlannerError,
@@ -88,6 +88,8 @@ class Simulation:
         self._mailbox: tuple[Command, int | None] = (HOLD, None)  # and the tick it lapses at
         self.tick_count = 0
         self.distance = 0.0
+        # the absolute direction distance is counted in, and its cosine and sine
+        self._course: tuple[float, XY] = (0.0, direction(0.0))
 
     def _supervisor(self, world: World) -> GaitSupervisor:
         scenario, machine, gait = world.scenario, world.machine, world.gait
@@ -145,30 +147,32 @@ class Simulation:
 
     def step(self) -> None:
         """20 ms of the world: requests, command, planner and supervisor, plant."""
-        self.serve_requests()
-        command = self._newest_command()
-        plant = self.plant
+        if self._inbox:
+            self.serve_requests()
+        command, lapses = self._mailbox
+        if command is not self.command or lapses is not None:
+            command = self._newest_command()
+        plant, walk, perception = self.plant, self.walk, self.perception
         if plant.state == "fallen":
             self.tick_count += 1
             return
-        sensing = self._sensed()
-        velocities = self.walk.advance(sensing, command, self.perception.belief)
-        x, y = plant.body[0], plant.body[1]
-        plant.move(velocities, self.walk.loads)
-        if not command.holds:
-            self._count_distance(plant.body[0] - x, plant.body[1] - y, command)
-        if self.walk.executed is not None:
-            learnt = self.walk.contacts.take_learnt()
-            if learnt:
-                self.perception.learn(learnt)
-        self.perception.perceive(sensing, self.walk, plant.body, self.command, self.tick_count)
-        self.tick_count += 1
-
-    def _sensed(self) -> Sensing:
-        """The reading that is there now: an old one where sensors are late."""
         readings = self._readings
-        readings.append(self.plant.sense())
-        return readings[0]
+        readings.append(plant.sense())
+        sensing = readings[0]  # an old one where sensors are late
+        velocities = walk.advance(sensing, command, perception.belief)
+        body = plant.body
+        x, y = body[0], body[1]
+        plant.move(velocities, walk.loads)
+        if not command.holds:
+            body = plant.body
+            self._count_distance(body[0] - x, body[1] - y, command)
+        if walk.state.executed is not None:
+            learnt = walk.contacts.take_learnt()
+            if learnt:
+                perception.learn(learnt)
+        if perception.mapper is not None:
+            perception.perceive(sensing, walk, plant.body, self.command, self.tick_count)
+        self.tick_count += 1
 
     def _newest_command(self) -> Command:
         command, lapses = self._mailbox
@@ -188,7 +192,10 @@ class Simulation:
         if self.world.scenario.trace is not None:  # the commanded direction is the trace's own
             self.distance += math.hypot(dx, dy)
             return
-        c, s = direction(self.plant.body[5] + command.crab_angle)
+        heading = self.plant.body[5] + command.crab_angle
+        if heading != self._course[0]:
+            self._course = heading, direction(heading)
+        c, s = self._course[1]
         self.distance += dx * c + dy * s
 
     # -- requests

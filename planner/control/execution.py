@@ -39,6 +39,8 @@ class Execution:
         self.gait = gait
         self.config = config or PlannerConfig()
         self.tolerances = self.config.tracking.within(plant or Tolerances())
+        self._held_back = self.tolerances.held_back
+        self._gains = self.config.gains
         self.stance = stance
         self.tracker = TrajectoryTracker(holding_plan(stance))
         self.t = 0.0
@@ -115,7 +117,7 @@ class Execution:
         """Level C of this tick: foot velocities in body axes, m/s, in leg order."""
         if self.compliant is None:
             velocities, self.reflexes = reflex(
-                self.tracker, t_next, sensing, self.reflexes, self.config.gains, TICK
+                self.tracker, t_next, sensing, self.reflexes, self._gains, TICK
             )
         else:
             velocities, self.reflexes = self.compliant.velocities(
@@ -160,8 +162,10 @@ class Execution:
         """True when the body is not where the plan has it: pushed, slid, or against an obstacle."""
         x, y, _, _ = self.tracker.body_at(self.t)
         body = sensing.body
-        limit = self.tolerances.held_back
-        return abs(x - body[0]) > limit or abs(y - body[1]) > limit
+        limit = self._held_back
+        dx = x - body[0]
+        dy = y - body[1]
+        return dx > limit or dx < -limit or dy > limit or dy < -limit
 
     def arrived(self, sensing: Sensing) -> Stance:
         """The stance at N_{k+1}: the plan's end when all went as planned up to this tick, in which

@@ -9,7 +9,7 @@ C wants it now.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from dataclasses import dataclass
 
 from ..config import Planning
 from ..geometry.transforms import direction
@@ -25,7 +25,8 @@ READY: Flags = (False, True, False)
 WANTED: Flags = (True, False, True)
 
 
-class Question(NamedTuple):
+@dataclass(frozen=True, slots=True, eq=False)
+class Question:
     """What a step is planned for."""
 
     stance: Stance
@@ -62,7 +63,14 @@ class PlanJob:
         While the stick moves a little, or only farther out, a job is finished all the same, and its
         step is kept while the next is begun.
         """
-        if self._begins_with(stance, command, terrain):
+        asked = self.asked
+        same = (
+            asked is not None
+            and asked.command is command
+            and asked.stance is stance
+            and asked.terrain is terrain
+        )  # as in most ticks
+        if not same and self._begins_with(stance, command, terrain):
             self.asked = Question(stance, command, terrain)
             self._job = self.planner.plan(stance, command, terrain)
             self._ready = None

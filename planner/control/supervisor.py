@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from ..protocols import Planner
 from ..terrain.map import TerrainMap
-from ..types import Blocked, Command, Mode, Phase, Point, Sensing, Stance, StepPlan
+from ..types import TICK, Blocked, Command, Mode, Phase, Point, Sensing, Stance, StepPlan
 from .activities import RESUMED, STILL, Activity
 from .contact_reflexes import ContactReflexes
 from .execution import END, Execution
@@ -29,6 +29,9 @@ MODES_OF_A_STEP = {
     Phase.SHIFT: Mode.SHIFT,
 }
 MODES_OF_A_POSTURE = {"sit": Mode.SIT_DOWN, "stand": Mode.STAND_UP, "standard": Mode.REGROUP}
+# looked at every tick: a name of the module is found quicker than one of a class
+_STEP = Activity.STEP
+_POSTURE = Activity.POSTURE
 MODES = {
     Activity.HOVER: Mode.BLOCKED,
     Activity.SETTLE: Mode.SETTLE,
@@ -52,6 +55,9 @@ class GaitSupervisor:
         self.contacts = ContactReflexes(self.state)
         self.postures = PostureController(self.state, layout)
         self._steps = StepController(self.state)
+        self._heed = planner.heed
+        self._slices = run.config.planning.slices
+        self._now: Now | None = None
 
     # what others may ask
 
@@ -171,12 +177,19 @@ class GaitSupervisor:
         """Decide for one tick: foot velocities in body axes, m/s, in leg order."""
         state = self.state
         state.executed = None
-        command = self.job.planner.heed(command)
+        command = self._heed(command)
         if self.run.compliant is not None:
             sensing = self.run.compliant.believed(sensing)
-        now = Now(sensing, command, terrain, command.holds)
+        now = self._now
+        if now is None:
+            now = self._now = Now(sensing, command, terrain, command.holds)
+        else:
+            now.sensing = sensing
+            now.command = command
+            now.terrain = terrain
+            now.holds = command.holds
         postures = self.postures
-        if postures.wanted or postures.low or state.activity is Activity.POSTURE:
+        if postures.wanted or postures.low or state.activity is _POSTURE:
             postures.listen(now)
         _AT[state.activity](self, now)
         return self.run.velocities_to(self._time_ahead(now), sensing)
@@ -188,16 +201,16 @@ class GaitSupervisor:
             self._steps.start(now)
 
     def _stepping(self, now: Now) -> None:
+        run = self.run
         if now.holds:
             self.state.stop(now)
-        elif self.run.held_back(now.sensing):
+        elif run.held_back(now.sensing):
             self._steps.count_held_back(now)
             self.state.stop(now)
         elif not self.contacts.is_surprised(now):
-            end = self.run.tracker.plan.end
-            self.job.consider(end, now.command, now.terrain, self.job.settings.slices)
-            if self.run.compliant is not None:
-                self.run.compliant.foresee(self.job.ready)
+            self.job.consider(run.tracker.plan.end, now.command, now.terrain, self._slices)
+            if run.compliant is not None:
+                run.compliant.foresee(self.job.ready)
 
     def _posturing(self, now: Now) -> None:
         if not self.postures.is_still_wanted or self.run.held_back(now.sensing):
@@ -233,11 +246,15 @@ class GaitSupervisor:
         """Time into the plan by the end of this tick; what is over gives way to what comes next."""
         run = self.run
         activity = self.state.activity
-        stepping = activity is Activity.STEP
+        stepping = activity is _STEP
         if not stepping and activity in STILL:
             run.pace = 0.0
             return run.t
-        run.pace = run.pace_for(now.command) if stepping else 1.0
+        run.pace = pace = run.pace_for(now.command) if stepping else 1.0
+        if pace <= 1.0:
+            t_next = run.t + pace * TICK
+            if t_next < run.tracker.duration - END:
+                return t_next
         t_next, left = run.time_ahead()
         if t_next < run.tracker.duration - END:
             return t_next

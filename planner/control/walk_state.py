@@ -4,7 +4,7 @@ off.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
 
 from ..motion.body_tilt import leaning
 from ..motion.foot_placement import place_feet
@@ -16,8 +16,9 @@ from .execution import Execution
 from .plan_job import PlanJob
 
 
-class Now(NamedTuple):
-    """What a tick brings."""
+@dataclass(slots=True)
+class Now:
+    """What a tick brings; the supervisor has one and fills it anew every tick."""
 
     sensing: Sensing
     command: Command
