@@ -1,5 +1,7 @@
 """From a contact to what the foot does next and what the map is told."""
 
+from dataclasses import replace
+
 import pytest
 
 from tests.planner.control.plans import FEET, Scripted, flat, now, state_with, swing_plan
@@ -31,7 +33,7 @@ def felt(t, terrain=GROUND, **more):
     x, y, z, yaw = tracker.body_at(t)
     feet = tuple(tracker.foot_at(leg, t) for leg in range(4))
     tick = now(terrain=terrain, body=(x, y, z, 0.0, 0.0, yaw), feet=feet)
-    return state, contacts, tick._replace(sensing=tick.sensing._replace(**more))
+    return state, contacts, replace(tick, sensing=tick.sensing._replace(**more))
 
 
 def test_a_hit_stops_the_body_and_draws_the_foot_back():
@@ -73,7 +75,7 @@ def test_where_no_place_is_left_it_hovers_until_ordered_on():
     assert state.activity is Activity.HOVER and state.hovered is Activity.REFLEX
     assert contacts.encounter is not None and contacts.encounter.state is FootState.STRANDED
     state.happens(Event.REFLEX_RESUMED)
-    contacts.go_on(tick._replace(terrain=GROUND))
+    contacts.go_on(replace(tick, terrain=GROUND))
     assert state.activity is Activity.REFLEX and contacts.encounter.state is FootState.PLACE
 
 

@@ -1,5 +1,7 @@
 """How what the walker is at ends, is broken off and held."""
 
+from dataclasses import replace
+
 import pytest
 
 from tests.planner.control.plans import (
@@ -77,4 +79,4 @@ def test_what_is_refused_is_the_same_command_on_the_same_map():
     assert not state.is_refused(asked)
     state.blocked = object()
     assert state.is_refused(asked)
-    assert not state.is_refused(asked._replace(command=Command(0.5, 0.1)))
+    assert not state.is_refused(replace(asked, command=Command(0.5, 0.1)))
