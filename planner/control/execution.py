@@ -14,6 +14,7 @@ from .compliant_controller import CompliantController
 from .foot_controller import ReflexState, reflex
 from .tracking import TrajectoryTracker
 
+ON_ALL_FEET = (Phase.SUPPORT, Phase.SHIFT)
 END = 1e-9  # s; a plan with less than this to go is over
 SLOWER = 0.5  # of the speed, while a foot slips and for a while after
 AHEAD = 0.7  # cosine, 45°: a body further aside of its course than that is beside its legs
@@ -65,8 +66,7 @@ class Execution:
     @property
     def on_all_feet(self) -> bool:
         """True on stretches in which no leg swings."""
-        phase = self.phase
-        return phase is Phase.SUPPORT or phase is Phase.SHIFT
+        return self.tracker.phase(self.t) in ON_ALL_FEET
 
     def play(self, plan: StepPlan) -> None:
         """Begin a plan."""
@@ -130,14 +130,19 @@ class Execution:
 
     def carrying(self, standing: bool) -> tuple[bool, ...]:
         """Legs meant to carry: all that do not swing, and swing legs that have landed early."""
-        legs = range(len(self.machine.legs))
+        carrying = [True] * len(self.machine.legs)
         if standing:
-            return tuple(leg not in self.stance.lifted for leg in legs)
-        plan = self.plan
-        up = [leg for leg in plan.end.lifted if leg not in plan.swing]
+            for leg in self.stance.lifted:
+                carrying[leg] = False
+            return tuple(carrying)
+        plan = self.tracker.plan
+        for leg in plan.end.lifted:
+            carrying[leg] = leg in plan.swing
         if not self.on_all_feet:
-            up += [leg for leg in plan.swing if not self.landed(leg)]
-        return tuple(leg not in up for leg in legs)
+            landed = self.reflexes.landed
+            for leg in plan.swing:
+                carrying[leg] = landed[leg]
+        return tuple(carrying)
 
     def landed(self, leg: int) -> bool:
         """True of a swing leg that has touched down in this plan."""

@@ -141,9 +141,10 @@ class GaitSupervisor:
     def mode(self) -> Mode:
         """What it is at, in the words of the log."""
         activity = self.state.activity
-        if activity is Activity.STEP:
-            return MODES_OF_A_STEP[self.run.phase]
-        if activity is Activity.POSTURE:
+        if activity is _STEP:
+            run = self.run
+            return MODES_OF_A_STEP[run.tracker.phase(run.t)]
+        if activity is _POSTURE:
             return MODES_OF_A_POSTURE[self.posture]
         if activity is not Activity.STAND:
             return MODES[activity]
@@ -154,7 +155,7 @@ class GaitSupervisor:
 
     def carrying(self) -> tuple[bool, ...]:
         """Legs meant to carry: all that do not swing, and swing legs that have landed early."""
-        return self.run.carrying(self.stands)
+        return self.run.carrying(self.state.stands)
 
     # postures on command
 

@@ -66,20 +66,26 @@ class HeightGrid:
         x, y = self.origin
         return x, x + self.columns * self.cell, y, y + self.rows * self.cell
 
+    @cached_property
+    def _look_up(self) -> tuple[float, float, float, int, int, memoryview]:
+        """Origin x, y, cell, rows, columns, heights: all a look at one cell needs, in one."""
+        x, y = self.origin
+        return x, y, self.cell, self.rows, self.columns, self.height_view
+
     def index(self, x: float, y: float) -> int:
         """Flat index of the cell under (x, y), −1 outside the grid."""
-        column = math.floor((x - self.origin[0]) / self.cell)
-        row = math.floor((y - self.origin[1]) / self.cell)
-        if 0 <= column < self.columns and 0 <= row < self.rows:
-            return row * self.columns + column
-        return -1
+        x0, y0, cell, rows, columns, _ = self._look_up
+        column = math.floor((x - x0) / cell)
+        row = math.floor((y - y0) / cell)
+        return row * columns + column if 0 <= column < columns and 0 <= row < rows else -1
 
     def height_at(self, x: float, y: float) -> float:
         """Height of the cell that contains the point, m; NaN over a hole and outside the grid."""
-        column = math.floor((x - self.origin[0]) / self.cell)
-        row = math.floor((y - self.origin[1]) / self.cell)
-        if 0 <= column < self.columns and 0 <= row < self.rows:
-            return self.height_view[row * self.columns + column]
+        x0, y0, cell, rows, columns, heights = self._look_up
+        column = math.floor((x - x0) / cell)
+        row = math.floor((y - y0) / cell)
+        if 0 <= column < columns and 0 <= row < rows:
+            return heights[row * columns + column]
         return math.nan
 
     def cell_at(self, x: float, y: float) -> tuple[int, int] | None:
