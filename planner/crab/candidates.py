@@ -173,7 +173,9 @@ def wide_steps(context: SearchContext, node: Node, short: bool = True) -> Iterat
         if leg == posture.last:
             continue
         for shift in wide_shifts(context, posture, leg, short):
-            steps = allowed(steps_anywhere(posture, shift, context.cells), shift, accepts)
+            steps = steps_anywhere(posture, shift, context.cells)
+            if accepts is not None:
+                steps = allowed(steps, shift, accepts)
             for step in thinned(list(steps), WIDE_MAX):
                 if not changes_nothing(posture, step, step.landing):
                     yield step

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import NamedTuple
+from dataclasses import dataclass
 
 from ..geometry.paths import Box, line_exit
 from ..geometry.polygons import clipped, nearest_of
@@ -29,7 +29,8 @@ METHOD_II = StepRefusal.METHOD_II
 METHOD_III = StepRefusal.METHOD_III
 
 
-class Domain(NamedTuple):
+@dataclass(slots=True)
+class Domain:
     """D_u as predicates. ``across`` and ``along`` are measured from L_G, positive to its left and
     forward.
     """
@@ -115,17 +116,20 @@ def landings(
     start = search_start(posture, domain, trial)
     if start is None:
         return
-    ax, ay = posture.absolute(*start)
-    if domain.refuses(*start) is None:
+    x, y = start
+    ax, ay = posture.absolute(x, y)
+    if domain.refuses(x, y) is None:
         if cells.allows(ax, ay):
-            yield start, Landing(*start, ax, ay)
+            yield start, Landing(x, y, ax, ay)
         else:
             note_cell(trial, ax, ay, StepRefusal.PROHIBITED)
     course = posture.turned(domain.ux, domain.uy)
     order = cells_across(cells, posture.around(domain.box), (ax, ay), course, trial is not None)
+    canonical = posture.canonical
+    refuses = domain.refuses
     for ax, ay, free in order:
-        x, y = posture.canonical(ax, ay)
-        if domain.refuses(x, y) is not None:
+        x, y = canonical(ax, ay)
+        if refuses(x, y) is not None:
             continue
         if free:
             yield start, Landing(x, y, ax, ay)

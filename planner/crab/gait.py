@@ -100,9 +100,13 @@ class NominalGait:
         return self.lags[leg]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Posture:
-    """The machine seen from above at N_k in the gait frame of its nominal walk, m."""
+    """The machine seen from above at N_k in the gait frame of its nominal walk, m.
+
+    Nobody changes one. (A frozen one takes three times as long to make, and a search makes one for
+    every step it follows.)
+    """
 
     nominal: NominalGait
     x: float  # the CoG in the absolute frame

@@ -42,13 +42,13 @@ def after(posture: Posture, step: SwingStep) -> Posture:
     """The posture at N_{k+1}: the cheap roll-out of one step."""
     dx, dy, turn = posture.nominal.path.pose(step.g)
     x, y = posture.absolute(dx, dy)
-    heading = posture.c, posture.s
     feet = [(fx - dx, fy - dy) for fx, fy in posture.feet]
     feet[step.leg] = step.landing.x - dx, step.landing.y - dy
-    if turn != 0.0:
-        c, s = direction(turn)
-        feet = [(c * fx + s * fy, c * fy - s * fx) for fx, fy in feet]
-        heading = posture.c * c - posture.s * s, posture.s * c + posture.c * s
+    if turn == 0.0:
+        return Posture(posture.nominal, x, y, posture.c, posture.s, tuple(feet), step.leg)
+    c, s = direction(turn)
+    feet = [(c * fx + s * fy, c * fy - s * fx) for fx, fy in feet]
+    heading = posture.c * c - posture.s * s, posture.s * c + posture.c * s
     return Posture(posture.nominal, x, y, *heading, tuple(feet), step.leg)
 
 
@@ -253,18 +253,18 @@ def steps_to(
             SwingStep(shift.leg, shift.g0, shift.g, start, landing, margin, convergent)
             for start, landing in landings(posture, domain, cells, trial)
         )
-        yield from allowed(steps, shift, accepts, trial)
+        yield from steps if accepts is None else allowed(steps, shift, accepts, trial)
 
 
 def allowed(
     steps: Iterable[SwingStep],
     shift: Shift,
-    accepts: Accepts | None,
+    accepts: Accepts,
     trial: DecisionLog | None = None,
 ) -> Iterator[SwingStep]:
     """The steps with one shift whose footholds heights allow."""
     for step in steps:
-        refusal = accepts(shift, step.landing) if accepts is not None else None
+        refusal = accepts(shift, step.landing)
         if refusal is None:
             yield step
         elif trial is not None:
