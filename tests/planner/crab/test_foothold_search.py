@@ -1,6 +1,7 @@
 """The landing domain D_u, the search start I_u and the search for J_u."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -227,7 +228,7 @@ def test_a_domain_may_be_empty():
     nominal = nominal_gait(TITAN, gait(), 0.0)
     posture = posture_of(nominal, random_stance(np.random.default_rng(0)))
     stuck = reaching(nominal, posture.feet, 0.0)
-    domain = domain_of(stuck, 2, 0.0, False)._replace(limit=-5.0)
+    domain = replace(domain_of(stuck, 2, 0.0, False), limit=-5.0)
     assert nearest_in(domain, 0.0, 0.0) is None
     assert list(landings(stuck, domain, foothold_map(holes()))) == []
 
