@@ -44,16 +44,17 @@ class ControlLease:
         self._sit_after = sit_after if sit_after > 0.0 else math.inf
         self._holder: Session | None = None
         self._rest_until = 0.0
+        self._rest_drove = False  # as last said
         self.stopped = False
         self.revision = 0  # a new one means: tell everybody who drives
         self.refusals = 0
 
     # sessions
 
-    def open(self, name: str) -> Session:
-        """A session for a new socket."""
+    def open(self, name: str, title: str = "") -> Session:
+        """A session for a new socket; ``title`` is what others read of it."""
         now = self._now()
-        return Session(name, heard=now, counted=now)
+        return Session(name, title or name, heard=now, counted=now)
 
     def count(self, session: Session) -> None:
         """One more frame from a socket; raises ``TooFast``."""
@@ -75,7 +76,18 @@ class ControlLease:
             self._free()
         if self._holder is not None:
             return self._holder.name
-        return REST if now < self._rest_until else None
+        if self._rest_drove and now >= self._rest_until:
+            self._rest_drove = False
+            self.revision += 1
+        return REST if self._rest_drove else None
+
+    @property
+    def holder_title(self) -> str | None:
+        """Who drives, for people."""
+        holder = self.holder
+        if holder == REST:
+            return "a program"
+        return self._holder.title if self._holder is not None else None
 
     def holds(self, session: Session) -> bool:
         """Whether this session drives."""
@@ -133,7 +145,16 @@ class ControlLease:
         holder = self.holder
         if holder is None or self._holder is session:
             return None
-        return refusal(LeaseReason.OTHER_DRIVES, holder=holder)
+        return refusal(LeaseReason.OTHER_DRIVES, holder=self.holder_title or holder)
+
+    def keeps_from_changing(self, name: str) -> LeaseRefusal | None:
+        """Why whoever goes by this name may not change the world: a page drives, and it is another.
+        REST itself goes by ``""``.
+        """
+        holder = self.holder
+        if holder in (None, REST, name):
+            return None
+        return refusal(LeaseReason.OTHER_DRIVES, holder=self.holder_title)
 
     def _blocked(self, session: Session, command: Command) -> LeaseRefusal | None:
         """Why this session may not move the machine now."""
@@ -259,6 +280,9 @@ class ControlLease:
             why = refusal(LeaseReason.REARM_FIRST)
         if why is None:
             self._rest_until = 0.0 if command.holds else self._now() + ttl
+            if self._rest_drove == command.holds:
+                self._rest_drove = not command.holds
+                self.revision += 1
             self._loop.sit_down_at(math.inf)
             if command.holds:
                 self._loop.halt()

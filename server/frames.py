@@ -151,17 +151,21 @@ SnapshotFrame = frame_model(
         "type": (Literal["snapshot"], None, "snapshot"),
         "stopped": (bool, "until `rearm`", False),
         "fault": (str, FAULT_MEANING, ""),
+        "playing": (bool, "walks by its scenario's own timeline", False),
     },
 )
 
 
-def snapshot_frame(snapshot: Snapshot, *, stopped: bool, fault: str = "") -> dict[str, Any]:
+def snapshot_frame(
+    snapshot: Snapshot, *, stopped: bool, fault: str = "", playing: bool = False
+) -> dict[str, Any]:
     """A snapshot as JSON: everything a page reads, without the plan and the ground."""
     return {
         "type": "snapshot",
         **{field.key: field.read(snapshot) for field in SNAPSHOT_FIELDS},
         "stopped": stopped,
         "fault": last_line(fault),
+        "playing": playing,
     }
 
 
@@ -203,6 +207,19 @@ def style_frame(machine: Machine) -> StyleFrame:
     return StyleFrame.model_validate(style_of(machine))
 
 
+class PlayedFrame(BaseModel):
+    """``GET /api/v1/console/played``: how a timeline ended."""
+
+    model_config = example(
+        result="completed",
+        reason="distance",
+        expected={"distance_min": {"wanted": 3.0, "got": 3.02, "pass": True}},
+    )
+    result: str
+    reason: str
+    expected: dict[str, dict[str, Any]] = Field(description="wanted, got and pass, by key")
+
+
 class HelloFrame(BaseModel):
     """Server to client on /drive, first."""
 
@@ -210,6 +227,7 @@ class HelloFrame(BaseModel):
         type="hello",
         version="0.2.0",
         lease_id="k3v9",
+        started="5d1c9a02",
         dead_man_s=0.5,
         tick_s=0.02,
         speed_limit_m_s=2.0,
@@ -219,6 +237,7 @@ class HelloFrame(BaseModel):
     type: Literal["hello"] = "hello"
     version: str
     lease_id: str
+    started: str = Field(description="another one: the server was restarted, and its world is new")
     dead_man_s: float
     tick_s: float
     speed_limit_m_s: float = SPEED_MAX
@@ -229,10 +248,13 @@ class HelloFrame(BaseModel):
 class LeaseFrame(BaseModel):
     """Server to client on /drive: whenever who may drive changes."""
 
-    model_config = example(type="lease", held=True, holder="k3v9", stopped=False)
+    model_config = example(
+        type="lease", held=True, holder="k3v9", holder_title="a phone", stopped=False
+    )
     type: Literal["lease"] = "lease"
     held: bool = Field(description="by this socket")
     holder: str | None
+    holder_title: str | None = Field(description="the same for people")
     stopped: bool
 
 

@@ -18,6 +18,7 @@ from collections.abc import Callable
 
 from walking_console.planner.types import TICK, Command
 from walking_console.sim.requests import Halt, Load, Request, Reset, TakePosture
+from walking_console.sim.runs.runner import TimelinePlayer
 from walking_console.sim.simulation import Simulation
 from walking_console.sim.snapshot import Snapshot
 from walking_console.sim.world import World
@@ -52,6 +53,10 @@ class RealtimeLoop:
         self._commands = CommandMailbox()
         self._sit_down = SitDownTimer()
         self._shown = ShownTicks(self.newest.tick, now())
+        # of the scenario's own timeline; of the last time it was played, until another world
+        self.player: TimelinePlayer | None = None
+        self._plays = False
+        self._play_asked = False
         self._changed = False
         self._ending = False
         self._thread = LoopThread("walking", lambda stopping: asyncio.run(self._walk(stopping)))
@@ -113,6 +118,16 @@ class RealtimeLoop:
         """Another world; forgives a fault."""
         self._begin_again(Load(world))
 
+    def play(self) -> None:
+        """Back to the start, and walk by the scenario's own timeline until somebody drives."""
+        self._begin_again(Reset())
+        self._play_asked = True
+
+    @property
+    def playing(self) -> bool:
+        """Whether it walks by the scenario's own timeline."""
+        return self._plays
+
     def _begin_again(self, request: Request) -> None:
         self.order(HOLD)
         self.request(request)
@@ -172,6 +187,8 @@ class RealtimeLoop:
         """
         now = self.now()
         self._take_command(now)
+        if self._play_asked:
+            self._begin_play()
         if not self.pace.paused and self._sit_down.falls_due(now):
             self.take_posture("sit")
         ticks = self.pace.ticks_due()
@@ -187,9 +204,36 @@ class RealtimeLoop:
     def _take_command(self, now: float) -> None:
         waiting = self._commands.take()
         if waiting is not None:
+            self._end_play()
+            self._play_asked = self._play_asked and waiting.command.holds
             self.simulation.order(waiting.command, self._ticks_of(waiting.ttl))
         # simulated ticks may have stood still: the dead-man counts wall time
         if not self.pace.paused and self._commands.lapses(now):
+            self.simulation.order(HOLD)
+
+    def _begin_play(self) -> None:
+        self._play_asked = False
+        self.simulation.serve_requests()
+        self.player = TimelinePlayer(self.simulation)
+        self._plays = True
+
+    def _end_play(self) -> None:
+        """The timeline gives nothing any more; what it has recorded stays."""
+        if self._plays:
+            self._plays = False
+            self._changed = True
+            self.simulation.on_input = None
+
+    def _step(self) -> None:
+        """One tick of the simulation, by the timeline while that is played."""
+        if not self._plays or self.player is None:
+            self.simulation.step()
+            return
+        self.player.give()
+        self.simulation.step()
+        self.player.note()
+        if self.player.ending is not None:
+            self._end_play()
             self.simulation.order(HOLD)
 
     def _ticks_of(self, ttl: float) -> int | None:
@@ -199,7 +243,7 @@ class RealtimeLoop:
     def _walk_or_fail(self, ticks: int, now: float) -> None:
         try:
             for _ in range(ticks):
-                self.simulation.step()
+                self._step()
             if not ticks:
                 # a reset or an edit shows at once, though no tick runs
                 self.simulation.serve_requests()

@@ -122,6 +122,7 @@ class ScenarioBody(Shape):
         default=None, description="one of the planner's; null: the scenario's"
     )
     seed: Annotated[int, Field(ge=0, le=2**31 - 1)] | None = None
+    free_stick: bool = Field(default=False, description="without the scenario's given trace")
 
     @model_validator(mode="after")
     def _one_of_two(self) -> Self:

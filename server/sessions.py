@@ -30,6 +30,7 @@ class Session:
     """One socket's part in driving: its last number, its stick, its allowance of frames."""
 
     name: str
+    title: str = ""  # for people
     sequence: int = -1
     centred: bool = True  # the stick as last seen
     must_centre: bool = False  # no motion before the stick has been seen at rest

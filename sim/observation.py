@@ -32,6 +32,7 @@ def take_snapshot(
         distance=simulation.distance,
         mode=simulation.mode,
         reason=simulation.reason,
+        given_trace=world.scenario.trace is not None,
         terrain=simulation.perception.view(),
         paused=paused,
         rate=rate,
@@ -58,8 +59,19 @@ def _plant_fields(simulation: Simulation) -> dict[str, Any]:
         "whiskers": tuple(plant.whiskers),
         "margin": margin,
         "polygon_margin": polygon_margin,
+        "contact_margin": _contact_margin(simulation, carrying, polygon_margin),
         "energy_margin": stability.energy_margin(standing, body[:3]),
     }
+
+
+def _contact_margin(
+    simulation: Simulation, carrying: tuple[bool, ...], polygon_margin: float
+) -> float:
+    """Polygon margin of the feet that touch the ground, of those meant to carry, m."""
+    touching = tuple(
+        carries and sole for carries, sole in zip(carrying, simulation.plant.soles, strict=True)
+    )
+    return polygon_margin if touching == carrying else simulation.margins(touching)[1]
 
 
 def _walk_fields(walk: GaitSupervisor) -> dict[str, Any]:
@@ -74,6 +86,7 @@ def _walk_fields(walk: GaitSupervisor) -> dict[str, Any]:
         "ready": walk.ready,
         "flags": walk.flags,
         "posture": walk.posture,
+        "blocked_by": "" if walk.blocked is None else walk.blocked.reason.name.lower(),
         "decision": _decision(walk),
     }
 

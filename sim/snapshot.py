@@ -6,6 +6,7 @@ conversion and the API's description are made from this one list.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Any
@@ -130,5 +131,16 @@ class Snapshot:
     capabilities: Annotated[Capabilities, DECLARED] = Capabilities()
     # what the trace walker foresees; the same object until it foresees something else
     ahead: Annotated[GaitPreview | None, INSIDE] = None
+    # of the feet that touch the ground and are meant to carry
+    contact_margin: Annotated[
+        float,
+        Sent(
+            "contact_margin_m", "polygon margin of the feet that really carry", 0.04, may_lack=True
+        ),
+    ] = math.nan
+    blocked_by: Annotated[str, Sent("", "the reason as a word; empty when not blocked", "")] = ""
+    given_trace: Annotated[
+        bool, Sent("", "walks a given trace: of the stick only the speed counts", False)
+    ] = False
     # why the running step, or why there is none, where the console keeps it
     decision: Annotated[Mapping[str, Any] | None, INSIDE] = None

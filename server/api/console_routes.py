@@ -5,16 +5,16 @@ other ground.
 from __future__ import annotations
 
 import asyncio
-from typing import Any
+from typing import Annotated, Any
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Depends, Header
 from fastapi.responses import JSONResponse, Response
 
 from walking_console.planner import registry
 from walking_console.sim.requests import Follow
 
 from ..explanation_frames import AheadFrame, DecisionFrame, ahead_frame, decision_frame
-from ..frames import SnapshotFrame, StyleFrame, style_frame
+from ..frames import PlayedFrame, SnapshotFrame, StyleFrame, style_frame
 from ..lease_reasons import LeaseRefusal
 from ..schemas import (
     AdvanceBody,
@@ -39,6 +39,17 @@ router = APIRouter(prefix="/api/v1/console", tags=["console"])
 def _or_refuse(why: LeaseRefusal | None) -> None:
     if why is not None:
         raise HTTPProblem(409, why.text)
+
+
+def _refuse_others(
+    state: ConsoleState,
+    x_lease: Annotated[str, Header(max_length=64, description="a page's own `lease_id`")] = "",
+) -> None:
+    """While a page drives, nobody else changes its world."""
+    _or_refuse(state.lease.keeps_from_changing(x_lease))
+
+
+CHANGING = [Depends(_refuse_others)]
 
 
 def _snapshot(state: AppState) -> JSONResponse:
@@ -87,7 +98,7 @@ async def posture(body: PostureBody, state: ConsoleState) -> dict[str, Any]:
     return {"tick": state.loop.newest.tick, "posture": body.posture}
 
 
-@router.put("/attitude", status_code=202)
+@router.put("/attitude", status_code=202, dependencies=CHANGING)
 async def attitude(body: AttitudeBody, state: ConsoleState) -> dict[str, Any]:
     """The body level, or leaning with the ground. Refused (409) for a planner that walks level
     only.
@@ -115,7 +126,7 @@ async def rearm(state: ConsoleState) -> dict[str, Any]:
     return {"stopped": False}
 
 
-@router.post("/reset", response_model=SnapshotFrame)
+@router.post("/reset", response_model=SnapshotFrame, dependencies=CHANGING)
 async def reset(state: ConsoleState) -> JSONResponse:
     """Back to the start of the scenario; also forgives a fault. A stop stays."""
     before = state.loop.newest
@@ -125,7 +136,32 @@ async def reset(state: ConsoleState) -> JSONResponse:
     return _snapshot(state)
 
 
-@router.post("/pause", response_model=SnapshotFrame)
+@router.post("/play", response_model=SnapshotFrame, dependencies=CHANGING)
+async def play(state: ConsoleState) -> JSONResponse:
+    """Begin anew and walk by the scenario's own timeline until somebody drives; refused (409) after
+    a stop.
+    """
+    if state.lease.stopped:
+        raise HTTPProblem(409, "stopped: rearm first")
+    before = state.loop.newest
+    state.lease.hold()
+    state.loop.play()
+    await state.until_another_world(before)
+    return _snapshot(state)
+
+
+@router.get("/played")
+async def played(state: ConsoleState) -> PlayedFrame | None:
+    """How the timeline played last ended, and what of the expected came; null while none has."""
+    player = state.loop.player
+    if player is None or player.ending is None:
+        return None
+    result, reason = player.ending
+    expected = await asyncio.to_thread(player.expectations)
+    return PlayedFrame(result=result, reason=reason, expected=expected)
+
+
+@router.post("/pause", response_model=SnapshotFrame, dependencies=CHANGING)
 async def pause(state: ConsoleState) -> JSONResponse:
     """Stop simulated time."""
     loop = state.loop
@@ -134,7 +170,7 @@ async def pause(state: ConsoleState) -> JSONResponse:
     return _snapshot(state)
 
 
-@router.post("/resume", response_model=SnapshotFrame)
+@router.post("/resume", response_model=SnapshotFrame, dependencies=CHANGING)
 async def resume(state: ConsoleState) -> JSONResponse:
     """Let simulated time go on; whoever drove must let go of the stick first."""
     loop = state.loop
@@ -144,7 +180,7 @@ async def resume(state: ConsoleState) -> JSONResponse:
     return _snapshot(state)
 
 
-@router.post("/advance", response_model=SnapshotFrame)
+@router.post("/advance", response_model=SnapshotFrame, dependencies=CHANGING)
 async def advance(body: AdvanceBody, state: ConsoleState) -> JSONResponse:
     """Walk so many ticks; needs the paused state (409)."""
     pace = state.loop.pace
@@ -156,7 +192,7 @@ async def advance(body: AdvanceBody, state: ConsoleState) -> JSONResponse:
     return _snapshot(state)
 
 
-@router.post("/rate")
+@router.post("/rate", dependencies=CHANGING)
 async def rate(body: RateBody, state: ConsoleState) -> dict[str, Any]:
     """1 to 8 times real time; a held command must be given again."""
     if body.rate != state.loop.pace.rate:
@@ -165,7 +201,7 @@ async def rate(body: RateBody, state: ConsoleState) -> dict[str, Any]:
     return {"rate": body.rate}
 
 
-@router.put("/scenario", response_model=SnapshotFrame)
+@router.put("/scenario", response_model=SnapshotFrame, dependencies=CHANGING)
 async def scenario(body: ScenarioBody, state: ConsoleState) -> JSONResponse:
     """Load a scenario by name or inline. The machine holds; the old world walks on until the new
     one is made.
@@ -188,7 +224,7 @@ async def terrain_file(state: ConsoleState) -> Response:
     return Response(packed, media_type="application/octet-stream")
 
 
-@router.patch("/terrain")
+@router.patch("/terrain", dependencies=CHANGING)
 async def terrain(body: TerrainBody, state: ConsoleState) -> dict[str, Any]:
     """Dig a hole, raise or lower, forbid or clear cells."""
     edit = edit_under(body, state.loop.newest.terrain)

@@ -58,6 +58,14 @@ class CloseWith(Exception):
         self.code = code
 
 
+def _title_of(socket: WebSocket) -> str:
+    """What others read of a page: the kind of thing it runs on."""
+    agent = socket.headers.get("user-agent", "")
+    if "iPad" in agent or ("Android" in agent and "Mobile" not in agent):
+        return "a tablet"
+    return "a phone" if "Mobi" in agent else "another page"
+
+
 class HeardPing(NamedTuple):
     """A ping and when it was heard."""
 
@@ -73,7 +81,7 @@ class DriveSocket:
         self._state = state
         self._lease = state.lease
         self.name = secrets.token_hex(3)
-        self._session = state.lease.open(self.name)
+        self._session = state.lease.open(self.name, _title_of(socket))
         self._refused: deque[RefusedFrame] = deque(maxlen=REFUSALS_KEPT)
         self._ping: HeardPing | None = None  # the newest, not yet answered
         self._revision = -1  # of the lease, as last said
@@ -103,6 +111,7 @@ class DriveSocket:
         hello = HelloFrame(
             version=product_version(),
             lease_id=self.name,
+            started=self._state.start_name,
             dead_man_s=DEAD_MAN,
             tick_s=TICK,
             style=style_frame(self._machine),
@@ -216,7 +225,10 @@ class DriveSocket:
         if self._revision != self._lease.revision:
             self._revision = self._lease.revision
             held = self._lease.holds(self._session)
-            lease = LeaseFrame(held=held, holder=holder, stopped=self._lease.stopped)
+            title = self._lease.holder_title
+            lease = LeaseFrame(
+                held=held, holder=holder, holder_title=title, stopped=self._lease.stopped
+            )
             await self._send(lease.model_dump_json())
 
     async def _show_snapshot(self) -> None:

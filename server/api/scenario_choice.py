@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from walking_console.planner.robot.model import MachineError
+from walking_console.planner import registry
+from walking_console.planner.robot.model import MachineError, load_machine
 from walking_console.planner.robot.toml_files import names_toml_file
 from walking_console.sim.scenario import Scenario, ScenarioError
 from walking_console.sim.scenario_files import load_scenario, scenario_from, scenario_names
@@ -29,6 +30,10 @@ def chosen_scenario(body: ScenarioBody, uploads: Uploads) -> Scenario:
         data = _shipped(body, settings) if body.name is not None else _inline(body, settings)
         replaced = {"robot": body.robot, "mode": body.mode}
         data |= {key: value for key, value in replaced.items() if value is not None}
+        if body.free_stick:
+            data.pop("trace", None)
+        if body.robot is not None:
+            _let_planner_follow(data)
         scenario = scenario_from(data, _base_of(data, uploads))
         scenario.machine()
     except (ScenarioError, MachineError) as error:
@@ -63,6 +68,26 @@ def _base_of(data: dict[str, Any], uploads: Uploads) -> Path | None:
                 f"{name!r:.80}"
             )
     return uploads.folder if files else None
+
+
+def _let_planner_follow(data: dict[str, Any]) -> None:
+    """Another robot may have more legs than the scenario's planner walks with: take the first that
+    does, from the standard posture. Raises ``MachineError``.
+    """
+    legs = len(load_machine(data["robot"]).legs)
+    start = data.get("start", {})
+    if len(start.get("feet") or [None] * legs) != legs:
+        del start["feet"]
+    if _walks(data.get("planner", registry.DEFAULT_PLANNER), legs):
+        return
+    data["planner"] = next(name for name in registry.planner_names() if _walks(name, legs))
+    data.pop("mode", None)
+    data.pop("attitude", None)
+
+
+def _walks(planner: str, legs: int) -> bool:
+    counts = registry.capabilities(planner).leg_counts
+    return not counts or legs in counts
 
 
 def _shipped(body: ScenarioBody, settings: list[str]) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import secrets
 import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
@@ -69,6 +70,7 @@ class ShownText(NamedTuple):
     snapshot: Snapshot | None
     stopped: bool
     fault: str
+    playing: bool
     text: str
 
 
@@ -87,8 +89,9 @@ class AppState:
         self.changes: ChangeSignal | None = None
         self.drivers: set[str] = set()  # names of the sockets on /drive
         self.started = time.monotonic()
+        self.start_name = secrets.token_hex(4)  # of this start of the server
         self.loads = asyncio.Semaphore(LOADS_AT_ONCE)
-        self._shown = ShownText(None, False, "", "")
+        self._shown = ShownText(None, False, "", False, "")
 
     @asynccontextmanager
     async def serving(self) -> AsyncIterator[None]:
@@ -119,12 +122,15 @@ class AppState:
 
     def frame(self) -> dict[str, Any]:
         """The newest snapshot as JSON."""
-        return snapshot_frame(self.loop.newest, stopped=self.lease.stopped, fault=self.loop.fault)
+        loop = self.loop
+        return snapshot_frame(
+            loop.newest, stopped=self.lease.stopped, fault=loop.fault, playing=loop.playing
+        )
 
     def text(self) -> str:
         """The newest snapshot as text; the same object for all pages until something changes."""
-        now = (self.loop.newest, self.lease.stopped, self.loop.fault)
-        if self._shown[:3] != now:
+        now = (self.loop.newest, self.lease.stopped, self.loop.fault, self.loop.playing)
+        if self._shown[:4] != now:
             self._shown = ShownText(*now, as_text(self.frame()))
         return self._shown.text
 

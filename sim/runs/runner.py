@@ -98,23 +98,55 @@ def run_scenario(
 
 def _walk_to_end(simulation: Simulation, recorder: Recorder, progress: Progress | None) -> Ending:
     scenario = simulation.world.scenario
-    entries = deque(timeline(scenario))
-    ends = _Ends(simulation, entries[-1].tick if entries else 0)
-    ticks_max = round(scenario.time_limit / TICK)
-    for index in range(ticks_max):
-        while entries and entries[0].tick <= index:
-            entry = entries.popleft()
-            simulation.order(entry.command)
-            if entry.request is not None:
-                simulation.request(entry.request)
+    player = TimelinePlayer(simulation, recorder)
+    while player.ending is None:
+        player.give()
         simulation.step()
-        recorder.note()
-        ending = ends.reached(index)
-        if ending is not None:
-            return ending
-        if progress is not None and index % PROGRESS_TICKS == 0:
-            progress(simulation, _share(index / ticks_max, simulation.distance, scenario))
-    return ("blocked", "time") if scenario.end.time is None else ("completed", "time")
+        index = player.ticks
+        player.note()
+        if progress is not None and player.ending is None and index % PROGRESS_TICKS == 0:
+            progress(simulation, _share(index / player.ticks_max, simulation.distance, scenario))
+    return player.ending
+
+
+class TimelinePlayer:
+    """Walks a simulation by its scenario's timeline: ``give`` before every tick, ``note`` after it,
+    until there is an ``ending``.
+    """
+
+    def __init__(self, simulation: Simulation, recorder: Recorder | None = None) -> None:
+        self.simulation = simulation
+        self.recorder = recorder or Recorder(simulation)
+        self.ticks = 0
+        self.ending: Ending | None = None
+        self._entries = deque(timeline(simulation.world.scenario))
+        self._ends = _Ends(simulation, self._entries[-1].tick if self._entries else 0)
+
+    @property
+    def ticks_max(self) -> int:
+        """When the timeline ends in any case."""
+        return round(self.simulation.world.scenario.time_limit / TICK)
+
+    def give(self) -> None:
+        """Order and request what is due."""
+        while self._entries and self._entries[0].tick <= self.ticks:
+            entry = self._entries.popleft()
+            self.simulation.order(entry.command)
+            if entry.request is not None:
+                self.simulation.request(entry.request)
+
+    def note(self) -> None:
+        """Record the tick just run, and whether the walk has ended with it."""
+        self.recorder.note()
+        self.ending = self._ends.reached(self.ticks)
+        self.ticks += 1
+        if self.ending is None and self.ticks >= self.ticks_max:
+            timed = self.simulation.world.scenario.end.time is not None
+            self.ending = ("completed" if timed else "blocked", "time")
+
+    def expectations(self) -> dict[str, dict[str, Any]]:
+        """Each expectation of the scenario: wanted, got, pass."""
+        return held(self.simulation.world.scenario, _figures(self.simulation, self.recorder))
 
 
 class _Ends:

@@ -278,10 +278,29 @@ def test_rest_drives_only_while_nobody_holds_the_lease(stage: Stage) -> None:
     session = stage.lease.open("a")
     assert stage.lease.command(Command(0.0, 0.05, 0.0), 0.5) is None
     assert stage.walk().speed == 0.05
-    assert stage.press(session) == "rest is driving"
+    assert stage.press(session) == "a program is driving"
     assert stage.walk(0.6).holds
     assert stage.press(session, speed=0.0) == "" and stage.press(session) == ""
     assert text_of(stage.lease.command(Command(0.0, 0.05, 0.0), 0.5)) == "a is driving"
+
+
+def test_who_drives_is_told_again_when_a_program_begins_and_when_it_ends(stage: Stage) -> None:
+    revision = stage.lease.revision
+    stage.lease.command(Command(0.0, 0.05, 0.0), 0.5)
+    assert stage.lease.revision == revision + 1 and stage.lease.holder_title == "a program"
+    stage.lease.command(Command(0.0, 0.05, 0.0), 0.5)
+    assert stage.lease.revision == revision + 1
+    stage.walk(0.6)
+    assert stage.lease.holder is None and stage.lease.revision == revision + 2
+
+
+def test_only_who_drives_changes_the_world_while_a_page_drives(stage: Stage) -> None:
+    one = stage.lease.open("a", "a phone")
+    assert stage.lease.keeps_from_changing("") is None
+    stage.press(one)
+    assert stage.lease.keeps_from_changing("a") is None
+    assert text_of(stage.lease.keeps_from_changing("b")) == "a phone is driving"
+    assert text_of(stage.lease.keeps_from_changing("")) == "a phone is driving"
 
 
 def test_rest_neither_drives_through_a_stop_nor_ends_the_stop_of_a_holder(stage: Stage) -> None:

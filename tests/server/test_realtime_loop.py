@@ -218,3 +218,33 @@ def test_while_paused_a_command_waits_for_single_ticks_however_long(
     loop.resume()
     loop.tick()
     assert loop.newest.command.holds, "wall time counts again"
+
+
+def test_a_timeline_is_played_from_the_start_until_somebody_drives(loop: RealtimeLoop) -> None:
+    loop.order(AHEAD)
+    for _ in range(50):
+        loop.tick()
+    loop.play()
+    for _ in range(100):
+        loop.tick()
+    assert loop.playing and loop.newest.tick <= 101
+    assert loop.newest.command.speed > 0.0 and loop.newest.distance > 0.0
+    loop.order(Command())
+    loop.tick()
+    loop.tick()
+    assert not loop.playing and loop.newest.command.holds
+
+
+def test_a_timeline_that_has_ended_holds_and_says_what_came_of_the_expected(
+    loop: RealtimeLoop,
+) -> None:
+    loop.play()
+    loop.set_rate(8)
+    loop.tick()
+    loop.play()
+    while loop.player is None or loop.player.ending is None:
+        loop.tick()
+    loop.tick()
+    assert not loop.playing and loop.newest.command.holds
+    assert loop.player.ending[0] == "completed"
+    assert all(entry["pass"] for entry in loop.player.expectations().values())

@@ -64,7 +64,7 @@ def opened(address: str, browser: Browser) -> Iterator[Page]:
     """The console in one page; opened once, since the first drawing takes software a while."""
     page = browser.new_page(viewport={"width": 900, "height": 620})
     page.on("pageerror", lambda error: ERRORS.append(str(error)))
-    page.goto(address)
+    page.goto(f"{address}/?stand")
     page.wait_for_selector("body.live")
     until(
         page, lambda: page.frames[1].locator("canvas").count() > 0 and detail(picture(page)) > 8.0
@@ -89,7 +89,7 @@ def phone(address: str, browser: Browser) -> Iterator[Page]:
         viewport={"width": 844, "height": 390}, has_touch=True, is_mobile=True
     )
     page = context.new_page()
-    page.goto(address)
+    page.goto(f"{address}/?stand")
     page.wait_for_selector("body.live")
     if page.locator("#take").is_visible():
         page.tap("#take")

@@ -255,7 +255,7 @@ def test_one_press_acts_once(address: str, page: Page) -> None:
 
 def test_closing_the_page_stops_the_machine(address: str, page: Page, browser: Browser) -> None:
     other = browser.new_page(viewport={"width": 900, "height": 620})
-    other.goto(address)
+    other.goto(f"{address}/?stand")
     other.wait_for_selector("body.live")
     other.click("#take") if other.locator("#take").is_visible() else None
     drag_until(other, 0.0, 1.0, lambda: now(address)["walked_m_s"] > 0.0)

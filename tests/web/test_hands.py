@@ -145,7 +145,7 @@ def test_stop_and_stick_are_on_the_screen_at_every_size(
 ) -> None:
     """360 × 225 is a window of 1440 × 900 at 400 %."""
     page = browser.new_page(viewport={"width": size[0], "height": size[1]})
-    page.goto(address)
+    page.goto(f"{address}/?stand")
     page.wait_for_selector("body.live")
     for control in ("#stop", "#stick"):
         box = page.locator(control).bounding_box()

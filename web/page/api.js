@@ -1,5 +1,12 @@
 // The REST routes: one call each, errors as sentences.
 
+let lease = ""; // this page's name in it
+
+/** @param {string} name */
+export const goBy = (name) => {
+  lease = name;
+};
+
 /**
  * @param {string} method
  * @param {string} path below /api/v1
@@ -8,7 +15,7 @@
 export async function ask(method, path, body) {
   const answer = await fetch(`api/v1/${path}`, {
     method,
-    headers: body ? { "content-type": "application/json" } : {},
+    headers: { "x-lease": lease, ...(body && { "content-type": "application/json" }) },
     body: body && JSON.stringify(body),
   });
   const data = await answer.json().catch(() => ({}));

@@ -2,8 +2,8 @@
 
 /** @import {Candidate, DecisionFrame, LegTrial} from "./frames" */
 
-import { element, make } from "./dom.js";
-import { legTitle } from "./machine_style.js";
+import { element, make, write } from "./dom.js";
+import { legName, legTitle } from "./machine_style.js";
 import { millimetres } from "./readouts.js";
 import { keep, saved } from "./settings.js";
 
@@ -49,10 +49,26 @@ export class DecisionPanel {
   }
 
   #draw() {
+    write("why", this.decision ? whyOf(this.decision) : "");
     if (!this.panel.open) return;
     const parts = this.decision ? partsOf(this.decision) : [muted("Nothing decided yet.")];
     this.body.replaceChildren(...parts);
   }
+}
+
+/**
+ * The decision in one sentence with its numbers.
+ * @param {DecisionFrame} decision
+ */
+function whyOf({ leg, shift_m, legs, candidates }) {
+  const refused = legs.filter((trial) => trial.reason && trial.leg !== leg);
+  const first = refused[0];
+  const because = first ? ` ${legName(first.leg)} stays: ${first.reason}.` : "";
+  if (!shift_m) return `No step.${because}`;
+  const mine = candidates.find((way) => way.leg === leg)?.margin_m;
+  const kept = mine ? `, keeping ${millimetres(mine)} mm of margin` : "";
+  const who = leg === null ? "The body shifts" : `${legName(leg)} swings while the body goes`;
+  return `${who} ${millimetres(shift_m[1])} mm${kept}.${because}`;
 }
 
 /** @param {DecisionFrame} decision */

@@ -26,6 +26,7 @@ export type Attitude = "level" | "ground";
 export interface HelloFrame {
   type: "hello";
   lease_id: string;
+  started: string;
   dead_man_s: number;
   style: Style;
 }
@@ -38,6 +39,7 @@ export interface LeaseFrame {
   type: "lease";
   held: boolean;
   holder: string | null;
+  holder_title: string | null;
   stopped: boolean;
 }
 
@@ -68,11 +70,13 @@ export interface SnapshotFrame extends Command {
   support: boolean[];
   mode: string;
   reason: string;
+  blocked_by: string;
   walked_m_s: number;
   speed_max_m_s: number;
   margin_m: number | null;
   polygon_margin_m: number | null;
   energy_margin_m: number | null;
+  contact_margin_m: number | null;
   step: number;
   distance_m: number;
   swing: number[];
@@ -85,6 +89,8 @@ export interface SnapshotFrame extends Command {
   may_lean: boolean;
   may_turn: boolean;
   follows_trace: boolean;
+  given_trace: boolean;
+  playing: boolean;
   stopped: boolean;
   fault: string;
 }
@@ -196,7 +202,7 @@ export interface Saved {
 
 /** Sentences beside a tone: what is wrong. */
 export interface Trouble {
-  tone: "warn" | "bad";
+  tone: "good" | "warn" | "bad";
   title: string;
   detail: string;
 }

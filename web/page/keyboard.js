@@ -8,7 +8,8 @@ import { isDrivingKey } from "./joystick.js";
 
 const FIELDS = "select, textarea, input:not([type=checkbox]):not([type=range])";
 const OPENS_MENUS = /^(Alt|Control|Meta|ContextMenu|F\d)/; // key-ups may go elsewhere from here on
-const RATE_KEY = /^Digit([1-8])$/;
+const SLIDES = /^(Arrow|Home|End|Page)/;
+const RATE_KEY = /^Digit([1248])$/; // those that have a button
 
 /**
  * @typedef {object} Keys
@@ -23,6 +24,13 @@ const RATE_KEY = /^Digit([1-8])$/;
 const isField = (target) => target instanceof Element && target.matches(FIELDS);
 
 /**
+ * Whether a focused slider is moved by the key.
+ * @param {KeyboardEvent} event
+ */
+const isSliding = ({ target, key }) =>
+  target instanceof HTMLInputElement && target.type === "range" && SLIDES.test(key);
+
+/**
  * @param {Joystick} stick
  * @param {Keys} keys
  */
@@ -33,7 +41,7 @@ export function listenToKeys(stick, keys) {
   document.addEventListener("keydown", (event) => {
     if (OPENS_MENUS.test(event.code)) stick.liftKeys();
     if (event.ctrlKey || event.metaKey || event.altKey) return;
-    if (help.open || isField(event.target)) return;
+    if (help.open || isField(event.target) || isSliding(event)) return;
     if (switched(event) || press(stick, keys, event)) event.preventDefault();
   });
   document.addEventListener("keyup", (event) => {

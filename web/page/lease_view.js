@@ -7,7 +7,7 @@ import { button, div, write } from "./dom.js";
 const SHOWN_ELSEWHERE = ["out_of_order", "centre_first", "stopped", "stale"]; // stick and button say it
 
 /** @type {Omit<LeaseFrame, "type">} */
-export const NO_LEASE = { held: false, holder: null, stopped: false };
+export const NO_LEASE = { held: false, holder: null, holder_title: null, stopped: false };
 
 const PROGRAM = "rest"; // who drives while a REST command lives
 
@@ -29,15 +29,16 @@ export function showLease(lease, ours) {
 }
 
 /** @param {Omit<LeaseFrame, "type">} lease */
-function words({ held, holder, stopped }) {
+function words({ held, holder, holder_title, stopped }) {
   if (stopped) return "stopped";
   if (held) return "you drive";
   if (!holder) return "free to drive";
-  return holder === PROGRAM ? "a program drives" : `${holder} drives`;
+  return `${holder_title ?? holder} drives`;
 }
 
 /** @param {Omit<LeaseFrame, "type">} lease */
-function tone({ held, holder }) {
+function tone({ held, holder, stopped }) {
+  if (stopped) return "stopped";
   if (held) return "ours";
   return holder ? "theirs" : "free";
 }

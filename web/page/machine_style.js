@@ -41,6 +41,12 @@ export function legTitle(number) {
   return name ? `${number} ${name}` : String(number);
 }
 
+/**
+ * A leg's name, or its number where it has none.
+ * @param {number} number from 1
+ */
+export const legName = (number) => style.leg_names[number - 1] ?? `leg ${number}`;
+
 /** @param {number | null} margin m */
 export function marginTone(margin) {
   if (margin === null || margin < -0.001) return "bad";

@@ -1,9 +1,12 @@
 // The page: wires stick, keys and buttons to the link and the REST routes, and frames to what shows
 // them.
 
-/** @import {Command, DropReason, LinkState, Posture, ServerFrame, SnapshotFrame, StickValue} from "./frames" */
+/**
+ * @import {Command, DropReason, HelloFrame, LinkState, Posture, ServerFrame, SnapshotFrame,
+ *   StickValue} from "./frames"
+ */
 
-import { order } from "./api.js";
+import { goBy, order } from "./api.js";
 import { Brushes } from "./brushes.js";
 import { DecisionPanel } from "./decision_panel.js";
 import { button, buttons, div, element, input, mark, write } from "./dom.js";
@@ -16,7 +19,7 @@ import { PostureControls } from "./posture_controls.js";
 import { letEveryFingerClick, onPress } from "./press.js";
 import { degrees, drawTicks, showReadouts } from "./readouts.js";
 import { keep, saved } from "./settings.js";
-import { say, showBanner, showHealth, showLink } from "./status.js";
+import { say, showBanner, showHealth, showLink, speakOf } from "./status.js";
 import { TimeSeries } from "./time_series.js";
 import { ViewMenu } from "./view_menu.js";
 import { ViserFrame } from "./viser_frame.js";
@@ -37,6 +40,8 @@ const DROPPED = {
 let newest = null;
 let lease = { ...NO_LEASE };
 let ours = ""; // this page's name in the lease
+let greeted = ""; // the server's start, as it last said
+let seen = false; // a first picture has come
 let linked = false;
 let stoppedAt = -Infinity; // ms, by this page
 
@@ -217,8 +222,7 @@ function linkChanged(state) {
 function hear(frame) {
   switch (frame.type) {
     case "hello":
-      ours = frame.lease_id;
-      return takeStyle(frame.style);
+      return hearHello(frame);
     case "style":
       return takeStyle(frame);
     case "lease":
@@ -228,8 +232,6 @@ function hear(frame) {
       return hearRefusal(refusalText(frame.code, frame.reason));
     case "decision":
       return decisions.show(frame);
-    case "pong":
-      return undefined; // the worker's
     case "ahead":
       return series.footholds.foresee(frame);
     case "snapshot":
@@ -237,9 +239,29 @@ function hear(frame) {
   }
 }
 
+/** @param {HelloFrame} frame */
+function hearHello(frame) {
+  ours = frame.lease_id;
+  goBy(ours);
+  takeStyle(frame.style);
+  if (greeted && greeted !== frame.started) say("The console was restarted: its world is new.");
+  greeted = frame.started;
+}
+
 /** @param {string} text */
 function hearRefusal(text) {
   if (text) say(text);
+}
+
+/**
+ * A machine that nobody has moved yet shows what it can do.
+ * @param {SnapshotFrame} s
+ */
+function playAtFirst(s) {
+  seen = true;
+  const fresh = s.step === 0 && s.mode === "stand" && s.posture === "stand" && !s.paused;
+  if (new URLSearchParams(location.search).has("stand")) return;
+  if (fresh && !s.stopped && !s.playing && !lease.holder) world.play();
 }
 
 /** @param {SnapshotFrame} s */
@@ -254,6 +276,8 @@ function hearSnapshot(s) {
     lease = { ...lease, stopped: s.stopped };
     showLease(lease, ours);
   }
+  if (!seen) playAtFirst(s);
+  speakOf(s);
   showReadouts(s);
   series.add(s);
   world.show(s);

@@ -3,7 +3,7 @@
 /** @import {SnapshotFrame, Trouble} from "./frames" */
 
 import { div, element, restyle, write } from "./dom.js";
-import { legTitle, marginTone } from "./machine_style.js";
+import { legName, legTitle, marginTone } from "./machine_style.js";
 
 const MARGIN_FULL = 0.25; // m, margin that fills the bar
 const MARGIN_BELOW = -0.2; // share of the bar a negative margin fills at most
@@ -19,6 +19,8 @@ const MODES = {
 const TONES = {
   blocked: "warn", emergent: "warn", tipping: "bad", fallen: "bad", stand: "", sit: "",
 };
+const TOUCHING_DOWN = ["down", "settle", "sit_down", "sit", "stand_up"]; // feet may be on their way
+const LONG_WAY = /by any leg, shift, step back, course within 30 degrees or stretched leg/;
 const STILL = ["stand", "shift"]; // modes without a leg in the air
 
 /** @param {number} radians */
@@ -46,8 +48,9 @@ function tickEnd(angle) {
 
 /** @param {SnapshotFrame} s */
 export function showReadouts(s) {
-  write("mode", MODES[s.mode] ?? s.mode);
-  div("state").dataset.tone = TONES[s.mode] ?? "walk";
+  const arrived = s.blocked_by === "arrived";
+  write("mode", arrived ? "Arrived" : (MODES[s.mode] ?? s.mode));
+  div("state").dataset.tone = arrived ? "walk" : (TONES[s.mode] ?? "walk");
   write("planner", s.follows_trace ? s.planner : `${s.planner} ·`);
   write("step", String(s.step));
   write("swing", s.swing.length && !STILL.includes(s.mode) ? s.swing.map(legTitle).join(", ") : "–");
@@ -58,6 +61,7 @@ export function showReadouts(s) {
   showSpeed(s);
   showMargin("margin", s.margin_m);
   showMargin("polygon", s.polygon_margin_m);
+  showCarried(s);
   write("energy", millimetres(s.energy_margin_m));
 }
 
@@ -96,6 +100,19 @@ function showMargin(id, margin) {
   if (bar.dataset.tone !== tone) bar.dataset.tone = tone;
 }
 
+/**
+ * The margin of the feet that really carry, where one that should has lost the ground.
+ * @param {SnapshotFrame} s
+ */
+function showCarried({ support, contact, contact_margin_m, mode }) {
+  const lost = support.flatMap((carries, leg) => (carries && !contact[leg] ? [leg + 1] : []));
+  const shown = lost.length > 0 && !TOUCHING_DOWN.includes(mode);
+  div("carried").hidden = !shown;
+  if (!shown) return;
+  write("carried-margin", millimetres(contact_margin_m));
+  write("carried-legs", lost.map(legTitle).join(", "));
+}
+
 /** @param {number} seconds */
 function clock(seconds) {
   const minutes = Math.floor(seconds / 60);
@@ -113,10 +130,23 @@ const TROUBLES = {
   blocked: (reason) => ({
     tone: "warn",
     title: "No step possible this way",
-    detail: `${reason || "the planner found none"}. Try another direction.`,
+    detail: `${sentence(reason || "the planner found none")} Try another direction.`,
   }),
   emergent: (reason) => ({ tone: "warn", title: "Feeling for ground", detail: reason }),
 };
+
+/** @type {Trouble} */
+const ARRIVED = { tone: "good", title: "Arrived", detail: "The trace ends here." };
+
+/**
+ * A reason as a sentence, with the leg by its name: "FL: no ground within reach ...".
+ * @param {string} reason
+ */
+function sentence(reason) {
+  const named = reason.replace(/\bleg (\d+)\b/g, (_, number) => legName(Number(number)));
+  const plain = named.replace(LONG_WAY, "whatever leg, shift or way back was tried");
+  return `${plain[0].toUpperCase()}${plain.slice(1)}.`;
+}
 
 /**
  * Why nothing moves, in plain words; null when all is well.
@@ -125,5 +155,6 @@ const TROUBLES = {
  */
 export function trouble(s) {
   if (s.fault) return { tone: "bad", title: "The console has a fault", detail: s.fault };
+  if (s.blocked_by === "arrived") return ARRIVED;
   return TROUBLES[s.mode]?.(s.reason) ?? null;
 }

@@ -40,6 +40,21 @@ export function showLink(state) {
   }
 }
 
+const SPOKEN_EVERY = 3000; // ms between sentences for screen readers
+let spokenAt = -Infinity;
+
+/**
+ * A sentence of how it goes, for screen readers, now and then.
+ * @param {SnapshotFrame} s
+ */
+export function speakOf(s) {
+  if (performance.now() - spokenAt < SPOKEN_EVERY) return;
+  spokenAt = performance.now();
+  const moves = s.walked_m_s > 0;
+  const walks = moves ? `Walking, ${s.distance_m.toFixed(1)} m so far.` : "Not moving.";
+  write("spoken", s.stopped ? "Stopped." : walks);
+}
+
 /** @param {Health} health */
 export function showHealth({ age, round_trip, late }) {
   const open = div("link").dataset.state === "open";

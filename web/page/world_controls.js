@@ -3,7 +3,7 @@
 /** @import {SnapshotFrame} from "./frames" */
 
 import { ask, order } from "./api.js";
-import { button, buttons, element, mark } from "./dom.js";
+import { button, buttons, div, element, mark, write } from "./dom.js";
 import { onPress } from "./press.js";
 import { say } from "./status.js";
 
@@ -24,9 +24,12 @@ export class WorldControls {
   }
 
   #listen() {
-    this.scenario.addEventListener("change", () => this.#load({ name: this.scenario.value }));
-    this.robot.addEventListener("change", () => this.#loadAgain({}));
-    this.mode.addEventListener("change", () => this.#loadAgain({ mode: this.mode.value }));
+    onChoice(this.scenario, () => this.#load({ name: this.scenario.value }));
+    onChoice(this.robot, () => this.#loadAgain({}));
+    onChoice(this.mode, () => this.#loadAgain({ mode: this.mode.value }));
+    onPress(button("play"), () => this.play());
+    onPress(button("again"), () => this.play());
+    onPress(button("free-stick"), () => this.#loadAgain({ free_stick: true }));
     onPress(button("pause"), () => this.pauseOrGo());
     onPress(button("advance"), () => this.advance());
     onPress(button("reset"), () => this.reset());
@@ -47,6 +50,12 @@ export class WorldControls {
 
   advance() {
     if (this.newest?.paused) this.#post("advance", { ticks: ADVANCE_TICKS });
+  }
+
+  /** Walk by the scenario's own timeline, from its start. */
+  play() {
+    this.letGo();
+    return this.#post("play");
   }
 
   reset() {
@@ -71,7 +80,6 @@ export class WorldControls {
     await order(say, "PUT", "console/scenario", world);
     document.body.classList.remove("loading");
     this.loading = false;
-    for (const list of [this.scenario, this.robot, this.mode]) list.blur();
   }
 
   /** Ask for all there is to choose from. */
@@ -94,6 +102,17 @@ export class WorldControls {
     button("advance").disabled = !s.paused;
     mark(this.rates, "rate", String(s.rate), "aria-checked");
     this.mode.hidden = s.follows_trace;
+    this.#showCourse(s);
+  }
+
+  /** @param {SnapshotFrame} s */
+  #showCourse({ given_trace, playing, blocked_by }) {
+    const arrived = blocked_by === "arrived";
+    div("course-choice").hidden = !given_trace && !playing;
+    const follows = arrived ? "Its trace is walked" : "Follows its trace: stick = speed";
+    write("course-text", playing ? "Playing by itself: touch the stick to drive" : follows);
+    button("free-stick").hidden = !given_trace;
+    button("again").hidden = playing;
   }
 
   /** @param {SnapshotFrame} s */
@@ -103,6 +122,33 @@ export class WorldControls {
     choose(this.robot, s.robot);
     choose(this.mode, s.planner_mode);
   }
+}
+
+/**
+ * A choice is made by picking from the open list, or with Enter: arrow keys only look through it.
+ * @param {HTMLSelectElement} list
+ * @param {() => void} act
+ */
+function onChoice(list, act) {
+  let looks = false;
+  let open = false;
+  list.addEventListener("pointerdown", () => {
+    open = true;
+    looks = false;
+  });
+  list.addEventListener("keydown", ({ key, altKey }) => {
+    if (key === "Enter" && looks) act();
+    looks = key !== "Enter" && (looks || !altKey) && key !== "Tab" && key !== "Escape";
+  });
+  list.addEventListener("change", () => {
+    if (open || !looks) act();
+    if (open) looks = false;
+    open = false;
+  });
+  list.addEventListener("blur", () => {
+    looks = false;
+    open = false;
+  });
 }
 
 /**

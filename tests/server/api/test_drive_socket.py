@@ -83,6 +83,7 @@ def test_a_page_is_greeted_told_who_drives_and_shown_the_world(client: TestClien
             "type": "lease",
             "held": False,
             "holder": None,
+            "holder_title": None,
             "stopped": False,
         }
         assert one.told("snapshot") == client.get("/api/v1/console").json()
@@ -129,7 +130,7 @@ def test_a_posture_frame_takes_the_lease_and_the_posture(
         two.socket.send_json(
             {"type": "posture", "seq": 1, "echo_tick": loop.newest.tick, "posture": "stand"}
         )
-        assert two.refusal() == f"{one.name} is driving"
+        assert two.refusal() == "another page is driving"
         two.socket.send_json(
             {"type": "posture", "seq": 2, "echo_tick": loop.newest.tick, "posture": "lie"}
         )
@@ -147,10 +148,11 @@ def test_a_second_page_views_and_is_told_who_drives(client: TestClient) -> None:
             "type": "lease",
             "held": False,
             "holder": one.name,
+            "holder_title": "another page",
             "stopped": False,
         }
         two.press()
-        assert two.refusal() == f"{one.name} is driving"
+        assert two.refusal() == "another page is driving"
 
 
 def test_closing_the_page_holds(client: TestClient, loop: RealtimeLoop) -> None:

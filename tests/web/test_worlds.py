@@ -1,0 +1,128 @@
+"""Worlds as people choose and watch them: lists and sliders by keyboard, machines with six legs,
+traces that are walked to their end.
+"""
+
+import math
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, Page
+
+from tests.web.browsing import IN_A_BROWSER, drag_until, holder, load, now, until
+
+pytestmark = IN_A_BROWSER
+
+
+def test_a_hexapod_chosen_in_the_list_walks_by_stick(address: str, page: Page) -> None:
+    load(address, {"name": "flat"})
+    page.locator("#robot").select_option("hexapod")
+    until(page, lambda: now(address)["robot"] == "hexapod")
+    assert now(address)["planner"] == "trace" and not now(address)["given_trace"]
+    drag_until(page, -1.0, 0.0, lambda: now(address)["body"][1] > 0.05)
+    page.mouse.up()
+    load(address, {"name": "flat"})
+
+
+def test_a_given_trace_is_walked_by_itself_and_given_up_for_a_free_stick(
+    address: str, page: Page
+) -> None:
+    load(address, {"name": "k-sideways"})
+    until(page, lambda: "stick = speed" in page.inner_text("#course-text"))
+    page.click("#play")
+    until(page, lambda: now(address)["playing"] and now(address)["distance_m"] > 0.05)
+    assert "by itself" in page.inner_text("#course-text")
+    page.click("#free-stick")
+    until(page, lambda: not now(address)["given_trace"])
+    drag_until(page, 0.0, 1.0, lambda: now(address)["distance_m"] > 0.02)
+    page.mouse.up()
+    load(address, {"name": "flat"})
+
+
+def test_the_end_of_a_trace_is_an_arrival(address: str, page: Page) -> None:
+    short = {"kind": "waypoints", "waypoints": [[0.0, 0.0], [0.4, 0.0]]}
+    scenario = {"name": "short", "planner": "trace", "trace": short}
+    load(address, {"scenario": scenario})
+    page.click("#play")
+    until(page, lambda: now(address)["blocked_by"] == "arrived")
+    until(page, lambda: page.inner_text("#mode") == "Arrived")
+    assert page.inner_text("#banner strong") == "Arrived"
+    assert page.locator("#banner[data-tone=good]").count() == 1
+    assert page.locator("#again").is_visible() and page.locator("#free-stick").is_visible()
+    load(address, {"name": "flat"})
+
+
+def test_a_page_opens_on_a_machine_that_walks_and_the_first_touch_takes_over(
+    address: str, page: Page, browser: Browser
+) -> None:
+    until(page, lambda: holder(address)["x-lease"] == "")
+    other = browser.new_page(viewport={"width": 900, "height": 620})
+    other.goto(address)
+    until(page, lambda: now(address)["playing"] and now(address)["walked_m_s"] > 0.0)
+    until(page, lambda: "by itself" in other.inner_text("#course-text"))
+    left = pytest.approx(math.pi / 2, abs=0.05)
+    drag_until(other, -1.0, 0.0, lambda: now(address)["crab_angle_rad"] == left)
+    assert not now(address)["playing"]
+    other.close()
+
+
+def test_arrow_keys_move_a_focused_slider_and_nothing_else(address: str, page: Page) -> None:
+    slider = page.locator("#top-speed-slider")
+    before = float(slider.input_value())
+    slider.focus()
+    page.keyboard.press("ArrowRight")
+    assert float(slider.input_value()) == pytest.approx(before + 0.01)
+    page.wait_for_timeout(300)
+    assert now(address)["speed_m_s"] == 0.0
+    page.keyboard.press("ArrowLeft")
+
+
+def test_arrow_keys_look_through_a_list_and_enter_loads(address: str, page: Page) -> None:
+    load(address, {"name": "flat"})
+    chosen = page.locator("#scenario")
+    until(page, lambda: chosen.input_value() == "flat")
+    chosen.focus()
+    page.keyboard.press("ArrowDown")
+    page.wait_for_timeout(700)
+    looked_at = chosen.input_value()
+    assert looked_at != "flat" and now(address)["scenario"] == "flat"
+    page.keyboard.press("Enter")
+    until(page, lambda: now(address)["scenario"] == looked_at)
+    assert page.evaluate("document.activeElement.id") == "scenario"
+    page.keyboard.press("Escape")
+    chosen.blur()
+    load(address, {"name": "flat"})
+
+
+def test_the_margin_of_the_feet_that_carry_is_shown_when_one_has_lost_the_ground(
+    address: str, page: Page
+) -> None:
+    seen: dict[str, Any] = now(address)
+    foot = seen["feet"][0]
+    page.evaluate(
+        """async ([x, y]) => {
+          const body = {action: "dig", circle: {x_m: x, y_m: y, radius_m: 0.15}};
+          const headers = {"content-type": "application/json"};
+          const how = {method: "PATCH", headers, body: JSON.stringify(body)};
+          await fetch("/api/v1/console/terrain", how);
+        }""",
+        foot[:2],
+    )
+    until(page, lambda: not now(address)["contact"][0])
+    assert now(address)["contact_margin_m"] < now(address)["polygon_margin_m"] - 0.1
+    until(page, lambda: page.locator("#carried").is_visible())
+    assert "FL has lost the ground" in page.inner_text("#carried")
+
+
+def test_a_watcher_changes_nothing_while_another_drives(
+    address: str, page: Page, browser: Browser
+) -> None:
+    other = browser.new_page(viewport={"width": 900, "height": 620})
+    other.goto(f"{address}/?stand")
+    other.wait_for_selector("body.live")
+    drag_until(page, 0.0, 1.0, lambda: now(address)["walked_m_s"] > 0.0)
+    until(other, lambda: other.inner_text("#lease") == "another page drives")
+    other.click("#reset")
+    until(other, lambda: other.inner_text("#toast") == "another page is driving")
+    assert now(address)["distance_m"] > 0.0
+    page.mouse.up()
+    other.close()
