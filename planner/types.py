@@ -9,8 +9,9 @@ left, z up, origin at the centre of gravity); everything else is absolute.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum, IntEnum, unique
 from typing import Any, NamedTuple
 
@@ -61,6 +62,10 @@ class Gait:
     height: float  # H, m
     # eased swing phases (H §11 (3)); False: constant velocity between knots, as printed
     smooth: bool = True
+    # the body bends its way into every support; False: straight along the reference, as printed
+    sways: bool = False
+    margin: float = 0.02  # m, of the polygon, that the way of a swaying body keeps where it can
+    acceleration: float = 0.0  # m/s², most the body speeds up or slows down; 0: g·margin/height
 
 
 class Phase(IntEnum):
@@ -104,7 +109,9 @@ class Stance:
     ``lifted`` are legs that stay in the air across the switch (K only). ``course`` is the distance
     already walked on the trace. ``still`` counts the steps since the body last got on (the
     lookahead's guard against walking on the spot). ``lean`` is the gradient of the body's floor
-    along absolute x and y; (0, 0) is level. Metres and radians, absolute frame.
+    along absolute x and y; (0, 0) is level. ``body`` is on the reference (L_G, or the trace), from
+    which steps are decided; the body itself is ``sway`` beside it and goes at ``velocity``. Metres,
+    seconds and radians, absolute frame.
 
     >>> from walking_console import Stance
     >>> feet = ((0.5, 0.4, 0.0), (-0.5, 0.4, 0.0), (-0.5, -0.4, 0.0), (0.5, -0.4, 0.0))
@@ -121,11 +128,27 @@ class Stance:
     course: float = 0.0
     still: int = 0
     lean: tuple[float, float] = (0.0, 0.0)
+    sway: tuple[float, float] = (0.0, 0.0)  # x, y of the body from the reference, m
+    velocity: tuple[float, float] = (0.0, 0.0)  # of the body, m/s
+
+    @property
+    def place(self) -> tuple[float, float, float, float]:
+        """Where the body itself is: x, y, z, yaw."""
+        x, y, z, yaw = self.body
+        return x + self.sway[0], y + self.sway[1], z, yaw
+
+    def at_rest(self) -> Stance:
+        """The same with the reference through the body, which stands still."""
+        if self.sway == (0.0, 0.0) == self.velocity:
+            return self
+        return replace(self, body=self.place, sway=(0.0, 0.0), velocity=(0.0, 0.0))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StepPlan:
-    """One step as straight lines between knots in the absolute frame, from N_k to N_{k+1}.
+    """One step as knots in the absolute frame, from N_k to N_{k+1}.
+
+    Feet go straight between knots, the body too, or along the cubic that has ``rates`` there.
 
     In the absolute frame a supporting foot does not move and a rising foot rises vertically (H
     §4.5). The swing foot's last knot is what it *aims* at: h_up below the expected ground, so that
@@ -162,10 +185,16 @@ class StepPlan:
     landing: Point | None = None  # J_u of the first swing leg
     lean: tuple[float, float] | None = None  # at its beginning; None: as at its end
     decision: dict[str, Any] | None = None  # why: filled only when asked
+    rates: Array | None = None  # (m, 4), of the body at the knots: m/s, and rad/s of yaw
+    # least planned distance of the centre of gravity from the support polygon's edge, m; nan where
+    # it was not worked out
+    polygon_margin_min: float = math.nan
 
     def __post_init__(self) -> None:
         for array in (self.times, self.body, self.feet):
             array.setflags(write=False)
+        if self.rates is not None:
+            self.rates.setflags(write=False)
 
 
 @unique

@@ -182,6 +182,9 @@ class Scenario(Table):
             machine.lift_down if change.lift_down is None else change.lift_down,
             machine.height if change.height is None else change.height,
             change.smooth,
+            sways=change.body == "sway",
+            margin=change.margin,
+            acceleration=change.acceleration or 0.0,
         )
         low, high = machine.z_range
         if not low <= -gait.height <= high:

@@ -28,6 +28,12 @@ class GaitChange(Table):
     smooth: bool = True  # eased swing phases; false: constant velocity between knots
     # trace planner: this gait and no other
     rigid: RigidGaitName | None = None
+    # m, distance from the edge of the support polygon that a swaying body keeps where it can
+    margin: float = Field(default=0.02, ge=0.0, le=0.2)
+    # m/s², most the body speeds up or slows down; what the margin allows when not given
+    acceleration: float | None = Field(default=None, gt=0.0, le=20.0)
+    # the body bends its way into every support, or goes straight along the reference as printed
+    body: Literal["sway", "straight"] = "straight"
 
 
 class StartPlace(Table):

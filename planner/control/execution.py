@@ -79,8 +79,8 @@ class Execution:
 
     def hold(self, stance: Stance) -> None:
         """Stand as it stands, from a step-switching point on."""
-        self.stance = stance
-        self.play(holding_plan(stance))
+        self.stance = stance.at_rest()
+        self.play(holding_plan(self.stance))
         self.pace = 0.0
 
     def pace_for(self, command: Command) -> float:
@@ -178,11 +178,17 @@ class Execution:
         """
         end = self.plan.end
         now = self.tracker.body_at(self.t)
-        actual = self.actual(sensing, replace(end, body=now, lean=self.tracker.lean_at(self.t)))
-        return end if actual.body == now and actual.feet == end.feet else actual
+        lean = self.tracker.lean_at(self.t)
+        actual = self.actual(sensing, replace(end.at_rest(), body=now, lean=lean))
+        if actual.body == now and actual.feet == end.feet:
+            return end
+        x, y, z, yaw = actual.body
+        reference = (x - end.sway[0], y - end.sway[1], z, yaw)
+        return replace(actual, body=reference, sway=end.sway, velocity=end.velocity)
 
     def actual(self, sensing: Sensing, expected: Stance) -> Stance:
-        """The sensed stance, or ``expected`` itself when it came out so."""
+        """The sensed stance, at rest, or ``expected`` itself when it came out so."""
+        expected = expected.at_rest()
         x, y, z, roll, pitch, yaw = sensing.body
         feet = feet_absolute(sensing)
         lean = self.tracker.lean_at(self.t)

@@ -24,7 +24,7 @@ from ..geometry.transforms import (
     turned_by,
 )
 from ..types import TICK, Point, Sensing
-from .tracking import TrajectoryTracker
+from .tracking import TrajectoryTracker, bent
 
 TURN_MIN = 1e-12  # rad; less than this to turn in one tick is no turn
 LEVEL = 1e-12  # rad; a posture sensor that reads less reads level
@@ -67,9 +67,13 @@ def reflex(
     if playback.leans:
         return leaning_reflex(playback, t_next, sensing, state, gains, dt)
     (bx, by, _, roll, pitch, yaw), feet_b, soles = sensing.body, sensing.feet_b, sensing.soles
-    start, body, rate, air, stand, down, feet, ground = playback.stretches[playback.stretch(t_next)]
+    start, body, rate, air, stand, down, feet, ground, bend = playback.stretches[
+        playback.stretch(t_next)
+    ]
     s = t_next if t_next < playback.duration else playback.duration
     s = s - start if s > 0.0 else -start
+    if bend is not None:
+        rate = bent(rate, bend, s)
     x, y, z = body[0] + rate[0] * s, body[1] + rate[1] * s, body[2] + rate[2] * s
     heading = body[3] + rate[3] * s
 
@@ -155,7 +159,9 @@ def leaning_reflex(
     tick, the plan's own turning is followed.
     """
     (bx, by, _, roll, pitch, yaw), feet_b, soles = sensing.body, sensing.feet_b, sensing.soles
-    start, body, rate, air, stand, down, feet, ground = playback.stretches[playback.stretch(t_next)]
+    start, body, rate, air, stand, down, feet, ground, _ = playback.stretches[
+        playback.stretch(t_next)
+    ]
     s = (0.0 if t_next < 0.0 else min(t_next, playback.duration)) - start
     x, y, z = body[0] + rate[0] * s, body[1] + rate[1] * s, body[2] + rate[2] * s
     heading = body[3] + rate[3] * s

@@ -56,7 +56,7 @@ class StepController:
         self._job.consider(stance, now.command, now.terrain, slices)
         answer = self._job.answer(now.command)
         if answer is None:  # not planned yet: hold on standing feet
-            self._state.rest(stance, keep_job=True)
+            self._state.rest(stance, keep_job=stance is stance.at_rest())
             return 0.0
         return self._begin(answer, stance, left, now.command)
 

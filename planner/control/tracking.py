@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from ..geometry.transforms import Body, attitude_of, direction, left_fold_sum
@@ -16,8 +17,12 @@ from ..types import Phase, Point, StepPlan
 LEVEL_LEAN = (0.0, 0.0)  # gradient of the body's floor
 
 
+Four = tuple[float, float, float, float]
+Bend = tuple[Four, Four]  # factors of s² and s³ in the body's x, y, z, yaw
+
+
 class PlanStretch(NamedTuple):
-    """One straight line between knots, unpacked into plain floats."""
+    """One stretch between knots, unpacked into plain floats: straight, but for a body's ``bend``."""
 
     start: float  # s
     body: Body  # x, y, z, yaw at its start
@@ -28,6 +33,7 @@ class PlanStretch(NamedTuple):
     # x, y, z and their rates, one row per leg
     feet: tuple[tuple[float, float, float, float, float, float], ...]
     ground: float  # mean z of the carrying feet, m
+    bend: Bend | None = None  # of a body that does not go straight
 
 
 class TrajectoryTracker:
@@ -41,6 +47,12 @@ class TrajectoryTracker:
         self.duration: float = times[-1]
         self._times: list[float] = times
         self.stretches = [_stretch(plan, k, times, body, feet) for k in range(len(times) - 1)]
+        if plan.rates is not None:
+            rates = [_four(row) for row in plan.rates.tolist()]
+            self.stretches = [
+                _bent_stretch(stretch, times[k + 1] - times[k], rates[k], rates[k + 1])
+                for k, stretch in enumerate(self.stretches)
+            ]
         self._last = 0
         self._paces: list[float] | None = None
         after = plan.end.lean
@@ -67,14 +79,19 @@ class TrajectoryTracker:
 
     def body_at(self, t: float) -> Body:
         """Where the plan has the body at t: x, y, z, yaw."""
-        start, (x, y, z, yaw), (vx, vy, vz, turn), *_ = self.stretches[self.stretch(t)]
-        s = min(max(t, 0.0), self.duration) - start
+        stretch = self.stretches[self.stretch(t)]
+        s = min(max(t, 0.0), self.duration) - stretch.start
+        x, y, z, yaw = stretch.body
+        vx, vy, vz, turn = stretch.rate
+        if stretch.bend is not None:
+            vx, vy, vz, turn = bent(stretch.rate, stretch.bend, s)
         return x + vx * s, y + vy * s, z + vz * s, yaw + turn * s
 
     def body_moves(self, t: float) -> bool:
         """True when the plan has the body go or turn at t."""
-        vx, vy, _, turn = self.stretches[self.stretch(t)].rate
-        return vx != 0.0 or vy != 0.0 or turn != 0.0
+        stretch = self.stretches[self.stretch(t)]
+        vx, vy, _, turn = stretch.rate
+        return stretch.bend is not None or vx != 0.0 or vy != 0.0 or turn != 0.0
 
     def foot_at(self, leg: int, t: float) -> Point:
         """Where the plan has one foot tip at t."""
@@ -163,6 +180,34 @@ def _stretch(
         phase is Phase.DOWN,
         tuple(rows),
         ground,
+    )
+
+
+def _bent_stretch(straight: PlanStretch, seconds: float, begin: Four, end: Four) -> PlanStretch:
+    """The stretch whose body has these rates at its ends: a cubic (Hermite's form)."""
+    if seconds <= 0.0 or begin == straight.rate == end:
+        return straight
+    squares = []
+    cubes = []
+    for mean, first, last in zip(straight.rate, begin, end, strict=True):
+        squares.append((3.0 * mean - 2.0 * first - last) / seconds)
+        cubes.append((first + last - 2.0 * mean) / (seconds * seconds))
+    bend = (_four(squares), _four(cubes))
+    return straight._replace(rate=begin, bend=bend)
+
+
+def _four(values: Sequence[float]) -> Four:
+    return values[0], values[1], values[2], values[3]
+
+
+def bent(rate: Four, bend: Bend, s: float) -> Four:
+    """Mean rate of a cubic from the beginning of its stretch up to s."""
+    (a, b, c, d), (e, f, g, h) = bend
+    return (
+        rate[0] + s * (a + s * e),
+        rate[1] + s * (b + s * f),
+        rate[2] + s * (c + s * g),
+        rate[3] + s * (d + s * h),
     )
 
 

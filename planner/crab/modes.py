@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
+from ..motion.body_sway import swayed
 from ..navigation.local_planner import LocalPlanner, RouteState
 from ..protocols import (
     BodyAttitude,
@@ -24,6 +25,7 @@ from ..robot.model import Machine
 from ..terrain.map import TerrainMap
 from ..types import Blocked, Command, Stance, StepPlan
 from . import baseline, planner
+from .expected_supports import expected_supports
 from .gait import AGREEMENT, off_standard
 from .predictive_planner import step_job
 from .slope_adaptation import SlopeAdaptation
@@ -79,7 +81,11 @@ class CrabPlanner(Planner):
         return RouteState() if self._local is None else self._local.route
 
     def plan(self, stance: Stance, command: Command, terrain: TerrainMap) -> PlanningJob:
-        return self._plan(stance, command, terrain)
+        answer = yield from self._plan(stance, command, terrain)
+        if isinstance(answer, Blocked):
+            return answer
+        ahead = expected_supports(answer, command, self._machine, self._gait)
+        return swayed(answer, stance, ahead, self._gait, self._machine)
 
     def heed(self, command: Command) -> Command:
         return command if self._local is None else self._local.heed(command)

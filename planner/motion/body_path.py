@@ -15,13 +15,16 @@ Progress along the reference is left as it was planned. Lengths in metres, times
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
 from ..geometry.polygons import Polygon
+from ..geometry.transforms import XY
 
 OFFSET_MAX = 0.05  # m aside of the reference at most; more: see legs leave their reach
 SWEEPS = 40  # of the taut string through its gates; fewer: see it cut corners by millimetres
+ROUNDING = 1e-9  # s
 SHORTEST = 0.02  # s; keys nearer than this count as this far apart
 
 
@@ -31,6 +34,16 @@ class Key(NamedTuple):
     time: float  # s from the step-switching point
     low: float  # m, least lateral offset (positive to the left of the course)
     high: float  # m, largest; below ``low`` when no offset keeps the margin
+
+
+class Support(NamedTuple):
+    """Legs in the air for a while, and what the others leave of the ground plane meanwhile."""
+
+    lift: float  # s from the step-switching point
+    land: float
+    polygon: Polygon  # of the feet that carry
+    at_lift: XY  # the reference then, absolute frame
+    at_land: XY
 
 
 class Knot(NamedTuple):
@@ -63,6 +76,24 @@ def lateral_bounds(
         return low, high
     best = _deepest(lines)
     return best, best
+
+
+def nearest_edge_normal(polygon: Polygon, x: float, y: float) -> XY:
+    """The unit vector into the polygon, square to the edge that (x, y) is nearest to, or farthest
+    outside of.
+    """
+    best = (0.0, 1.0)
+    least = math.inf
+    ax, ay = polygon[-1]
+    for bx, by in polygon:
+        length = math.hypot(bx - ax, by - ay)
+        nx, ny = (ay - by) / length, (bx - ax) / length
+        depth = nx * (x - ax) + ny * (y - ay)
+        if depth < least:
+            least = depth
+            best = (nx, ny)
+        ax, ay = bx, by
+    return best
 
 
 def _edges_across(
@@ -159,11 +190,13 @@ def monotone_rates(
 
 
 def at(knots: Sequence[Knot], time: float) -> Knot:
-    """Value and rate of the cubic through the knots at a time; held outside them."""
+    """Value and rate of the cubic through the knots at a time; held beyond the last."""
     if time <= knots[0].time:
         return knots[0]
-    if time >= knots[-1].time:
+    if time > knots[-1].time + ROUNDING:
         return Knot(time, knots[-1].value, 0.0)
+    if time >= knots[-1].time:
+        return knots[-1]
     k = next(k for k in range(1, len(knots)) if time <= knots[k].time)
     return _cubic(knots[k - 1], knots[k], time)
 

@@ -50,6 +50,8 @@ class StepFacts(TypedDict, total=False):
     landing: Point | None
     lean: tuple[float, float] | None
     decision: dict[str, Any] | None
+    rates: Array | None
+    polygon_margin_min: float
 
 
 def plan_from_knots(
@@ -130,10 +132,10 @@ def body_still_plan(
     return plan_from_knots(
         tuple(ways),
         [time for time, _ in rows],
-        [stance.body] * len(rows),
+        [stance.place] * len(rows),
         [feet for _, feet in rows],
         tuple(kept),
-        replace(stance, feet=with_feet(stance.feet, landings)),
+        replace(stance.at_rest(), feet=with_feet(stance.feet, landings)),
         landing=next(iter(landings.values())),
     )
 
@@ -155,20 +157,25 @@ def plan_on_all_feet(
 
 def holding_plan(stance: Stance, **facts: Unpack[StepFacts]) -> StepPlan:
     """The plan that stands where it stands for one tick, when nothing is to move."""
-    return plan_on_all_feet(stance, (0.0, TICK), (stance.body, stance.body), stance, **facts)
+    still = stance.at_rest()
+    return plan_on_all_feet(still, (0.0, TICK), (still.body, still.body), still, **facts)
 
 
 def changed(
     plan: StepPlan,
     *,
+    times: Array | None = None,
     body: Array | None = None,
     feet: Array | None = None,
+    phases: tuple[Phase, ...] | None = None,
     end: Stance | None = None,
     **facts: Unpack[StepFacts],
 ) -> StepPlan:
-    """A copy of a plan with another ``body`` or ``feet`` table, another ``end`` or other facts."""
+    """A copy of a plan with another table of knots, another ``end`` or other facts."""
     return replace(
         plan,
+        times=plan.times if times is None else times,
+        phases=plan.phases if phases is None else phases,
         body=plan.body if body is None else body,
         feet=plan.feet if feet is None else feet,
         end=plan.end if end is None else end,

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from ..geometry.transforms import Body
+from ..motion.body_sway import swayed
 from ..protocols import Capabilities, Planner, PlannerError, PlannerSetup, PlanningJob
 from ..terrain.map import TerrainMap
-from ..types import Command, GaitPreview, Stance, StepPlan
+from ..types import Blocked, Command, GaitPreview, Stance, StepPlan
+from .expected_supports import expected_supports
 from .periodic_gaits import GAITS, rigid_gait
 from .planner import TraceWalk
 from .preview import ahead, course_now
@@ -41,7 +43,11 @@ class TracePlanner(Planner):
         return CAPABILITIES
 
     def plan(self, stance: Stance, command: Command, terrain: TerrainMap) -> PlanningJob:
-        return self.walk(stance, command, terrain)
+        answer = yield from self.walk(stance, command, terrain)
+        if isinstance(answer, Blocked):
+            return answer
+        supports = expected_supports(self.walk.prediction, stance, answer)
+        return swayed(answer, stance, supports, self.walk.gait, self.walk.machine)
 
     def preview(self, stance: Stance, running: StepPlan | None) -> GaitPreview | None:
         """The same object as long as nothing else is foreseen."""

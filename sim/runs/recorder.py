@@ -5,6 +5,7 @@ outside contract.
 from __future__ import annotations
 
 import json
+import math
 import struct
 from array import array
 from hashlib import blake2b
@@ -103,6 +104,7 @@ class Recorder:
             "landing": list(plan.end.feet[landed[0]]) if landed else None,
             "planned_landing": None if plan.landing is None else list(plan.landing),
             "planned_margin_min": plan.margin_min,
+            "planned_polygon_margin_min": _number(plan.polygon_margin_min),
             "speed": plan.speed,
             "speed_max": plan.speed_max,
             "off_standard": simulation.planner.off_standard(plan),
@@ -158,6 +160,11 @@ class Recorder:
         (out / "run.json").write_text(
             json.dumps(summary, indent=2, allow_nan=False) + "\n", "utf-8"
         )
+
+
+def _number(value: float) -> float | None:
+    """A number as JSON has it: none where it is not finite."""
+    return value if math.isfinite(value) else None
 
 
 def _write_lines(path: Path, records: list[dict[str, Any]]) -> None:

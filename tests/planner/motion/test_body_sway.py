@@ -1,0 +1,141 @@
+"""Steps with the body swayed into its supports: same decisions, margin and acceleration kept."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from walking_console.planner.control.tracking import TrajectoryTracker
+from walking_console.planner.crab.expected_supports import expected_supports
+from walking_console.planner.crab.gait import standard_stance
+from walking_console.planner.crab.planner import plan_step
+from walking_console.planner.geometry.transforms import seen
+from walking_console.planner.motion.body_sway import bounds_of, swayed
+from walking_console.planner.robot.model import load_machine
+from walking_console.planner.stability import polygon_margin, support_polygon
+from walking_console.planner.terrain.map import TerrainMap
+from walking_console.planner.types import TICK, Command, Gait, Phase, Stance, StepPlan
+
+TITAN = load_machine("titan3")
+GAIT = Gait(0.8, TITAN.lift_up, TITAN.lift_down, TITAN.height, sways=True)
+FLAT = TerrainMap.from_heights(np.zeros((400, 400)), 0.05, TITAN, (-10.0, -10.0))
+ANGLES = range(0, 360, 45)
+
+
+def walked(
+    angle: float, steps: int, gait: Gait = GAIT, speed: float = 0.08
+) -> list[tuple[Stance, StepPlan, StepPlan]]:
+    """So many steps over level ground: where each begins, as it was decided, and swayed."""
+    command = Command(math.radians(angle), speed)
+    stance = standard_stance(TITAN, gait, command.crab_angle, 0.0, 0.0, 0.0, lambda x, y: 0.0)
+    out = []
+    for _ in range(steps):
+        decided = plan_step(stance, command, FLAT, TITAN, gait)
+        assert isinstance(decided, StepPlan)
+        ahead = expected_supports(decided, command, TITAN, gait)
+        plan = swayed(decided, stance, ahead, gait, TITAN)
+        out.append((stance, decided, plan))
+        stance = plan.end
+    return out
+
+
+def played(plans: list[StepPlan]) -> list[tuple[StepPlan, float, tuple[float, ...]]]:
+    """Where the plans have the body, tick by tick: plan, time into it, x, y, z, yaw."""
+    rows = []
+    left = 0.0
+    for plan in plans:
+        tracker = TrajectoryTracker(plan)
+        t = left
+        while t <= tracker.duration:
+            rows.append((plan, t, tracker.body_at(t)))
+            t += TICK
+        left = t - tracker.duration
+    return rows
+
+
+@pytest.mark.parametrize("angle", ANGLES)
+def test_the_polygon_margin_is_kept_at_every_crab_angle(angle):
+    steps = walked(angle, 12)
+    for plan, t, (x, y, _, _) in played([plan for _, _, plan in steps[1:]]):
+        phase = plan.phases[TrajectoryTracker(plan).stretch(t)]
+        feet = [
+            foot
+            for leg, foot in enumerate(plan.feet[0])
+            if phase is Phase.SUPPORT or leg not in plan.swing
+        ]
+        assert polygon_margin(support_polygon(feet), x, y) >= 0.02 - 0.001
+
+
+@pytest.mark.parametrize("angle", ANGLES)
+def test_the_body_never_speeds_up_or_slows_down_more_than_its_margin_allows(angle):
+    steps = walked(angle, 10)
+    rows = played([plan for _, _, plan in steps])
+    places = np.array([place[:2] for _, _, place in rows])
+    acceleration = np.hypot(*(np.diff(places, 2, axis=0) / TICK**2).T)
+    assert acceleration.max() <= 1.05 * bounds_of(steps[0][0], GAIT).acceleration
+
+
+@pytest.mark.parametrize("angle", [0, 16, 45, 74, 90, 200])
+def test_the_decisions_are_those_of_the_straight_walk(angle):
+    straight = replace(GAIT, sways=False)
+    for (_, decided, plan), (_, other, _) in zip(
+        walked(angle, 8), walked(angle, 8, straight), strict=True
+    ):
+        assert plan.swing == other.swing and plan.landing == pytest.approx(other.landing)
+        assert (plan.support_shift, plan.shift) == pytest.approx((other.support_shift, other.shift))
+        assert plan.end.body == pytest.approx(other.end.body)
+        assert decided.end.feet == plan.end.feet
+
+
+@pytest.mark.parametrize("angle", ANGLES)
+def test_the_body_stays_within_five_centimetres_of_the_reference(angle):
+    for _, decided, plan in walked(angle, 8):
+        heading = plan.body[0, 3] + plan.crab_angle
+        for x, y, _, _ in plan.body:
+            _, across = seen((*decided.body[0, :2], heading), x, y)
+            assert abs(across) <= 0.05 + 1e-9
+
+
+@pytest.mark.parametrize("angle", [0, 45, 90])
+def test_place_and_velocity_go_on_from_step_to_step(angle):
+    steps = walked(angle, 8)
+    for (_, _, plan), (_, _, after) in zip(steps, steps[1:], strict=False):
+        assert after.body[0] == pytest.approx(plan.body[-1])
+        assert after.rates[0, :2] == pytest.approx(plan.rates[-1, :2], abs=2e-3)
+
+
+def test_a_straight_body_is_left_as_it_was_planned():
+    straight = replace(GAIT, sways=False)
+    assert all(plan is decided for _, decided, plan in walked(45, 4, straight))
+
+
+def test_feet_keep_their_speed_limits():
+    for _, _, plan in walked(45, 8, speed=0.5):
+        rates = plan.rates
+        for k in range(len(plan.times) - 1):
+            seconds = plan.times[k + 1] - plan.times[k]
+            feet = (plan.feet[k + 1] - plan.feet[k]) / seconds
+            for knot in (k, k + 1):
+                against = abs(feet - rates[knot, :3]) / TITAN.speed
+                assert against.max() <= 1.01
+
+
+def test_a_body_that_is_beside_its_next_support_waits_before_the_leg_lifts():
+    stance, decided, _ = walked(45, 3)[1]
+    beside = replace(stance, sway=(-stance.sway[0], -stance.sway[1]), velocity=(0.0, 0.0))
+    plan = swayed(decided, beside, (), GAIT, TITAN)
+    lift = next(k for k, phase in enumerate(plan.phases) if phase is not Phase.SUPPORT)
+    triangle = support_polygon(
+        foot for leg, foot in enumerate(plan.feet[0]) if leg not in plan.swing
+    )
+    assert plan.times[lift] > 0.2
+    assert polygon_margin(triangle, *plan.body[lift, :2]) >= 0.02 - 1e-3
+
+
+def test_on_a_swaying_walk_the_speed_lost_is_less_than_a_tenth():
+    for angle in (0, 45, 90):
+        steps = walked(angle, 24)[8:]
+        way = sum(decided.shift for _, decided, _ in steps)
+        seconds = sum(plan.times[-1] for _, _, plan in steps)
+        assert way / seconds >= 0.9 * 0.08
