@@ -22,7 +22,7 @@ Bend = tuple[Four, Four]  # factors of s² and s³ in the body's x, y, z, yaw
 
 
 class PlanStretch(NamedTuple):
-    """One stretch between knots, unpacked into plain floats: straight, but for a body's ``bend``."""
+    """One stretch between knots, as plain floats: straight, but for the ``bend`` of a body."""
 
     start: float  # s
     body: Body  # x, y, z, yaw at its start
