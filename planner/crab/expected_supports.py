@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..geometry.paths import arc_of_command
-from ..motion.body_path import Support
+from ..motion.body_path import SupportPhase
 from ..robot.model import Machine
 from ..stability import support_polygon
 from ..types import Command, Gait, StepPlan
@@ -16,7 +16,7 @@ AHEAD = 3  # steps that are expected; fewer: see the body come late to its next 
 
 def expected_supports(
     plan: StepPlan, command: Command, machine: Machine, gait: Gait
-) -> tuple[Support, ...]:
+) -> tuple[SupportPhase, ...]:
     """The next few supports after a step, when legs swing in the nominal order by their nominal
     steps; times from its end, s. None after a step in which nothing swings.
     """
@@ -38,7 +38,7 @@ def expected_supports(
         lift = nominal.path.pose(way + g0)
         land = nominal.path.pose(way + g)
         supports.append(
-            Support(
+            SupportPhase(
                 (way + g0) / plan.speed,
                 (way + g) / plan.speed,
                 polygon,

@@ -36,7 +36,7 @@ class Key(NamedTuple):
     high: float  # m, largest; below ``low`` when no offset keeps the margin
 
 
-class Support(NamedTuple):
+class SupportPhase(NamedTuple):
     """Legs in the air for a while, and what the others leave of the ground plane meanwhile."""
 
     lift: float  # s from the step-switching point

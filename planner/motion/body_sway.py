@@ -27,7 +27,7 @@ from .body_path import (
     OFFSET_MAX,
     Key,
     Knot,
-    Support,
+    SupportPhase,
     at,
     lateral_bounds,
     meeting,
@@ -63,7 +63,7 @@ def bounds_of(stance: Stance, gait: Gait) -> Bounds:
 
 
 def swayed(
-    plan: StepPlan, stance: Stance, ahead: Sequence[Support], gait: Gait, machine: Machine
+    plan: StepPlan, stance: Stance, ahead: Sequence[SupportPhase], gait: Gait, machine: Machine
 ) -> StepPlan:
     """The plan with the body on its smooth way from where ``stance`` has it.
 
@@ -252,7 +252,7 @@ class _Way:
         table: _Table,
         course: _Course,
         stance: Stance,
-        ahead: Sequence[Support],
+        ahead: Sequence[SupportPhase],
         bounds: Bounds,
     ) -> _Way:
         """The way through the gates of this step and the next ones."""
@@ -399,7 +399,9 @@ def _lengths(body: Sequence[Body]) -> list[float]:
     return out
 
 
-def _gates(table: _Table, course: _Course, ahead: Sequence[Support], margin: float) -> list[Key]:
+def _gates(
+    table: _Table, course: _Course, ahead: Sequence[SupportPhase], margin: float
+) -> list[Key]:
     """The gates of the step and of what is expected after it."""
     last = table.times[-1]
     keys: list[Key] = []
@@ -429,7 +431,7 @@ def _add(keys: list[Key], time: float, bounds: XY) -> None:
 
 
 def _progress(
-    table: _Table, course: _Course, speed: float, ahead: Sequence[Support], acceleration: float
+    table: _Table, course: _Course, speed: float, ahead: Sequence[SupportPhase], acceleration: float
 ) -> list[Knot]:
     """Length of the reference behind the body, through the places where a leg lifts and lands."""
     times = [0.0, table.times[-1]]

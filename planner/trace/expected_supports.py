@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ..motion.body_path import Support
+from ..motion.body_path import SupportPhase
 from ..stability import support_polygon
 from ..types import Stance, StepPlan
 from .moves import Move
@@ -16,7 +16,7 @@ SWING_MIN = 0.3  # s a swing takes at least, about
 
 def expected_supports(
     prediction: Prediction | None, stance: Stance, plan: StepPlan
-) -> tuple[Support, ...]:
+) -> tuple[SupportPhase, ...]:
     """The supports of the moves that follow the one that begins in ``stance``; times from the end
     of its plan, s, at the pace of the plan.
     """
@@ -29,7 +29,7 @@ def expected_supports(
         lift = time + _length(move.shift) / plan.speed
         land = lift + max(_length(move.carry) / plan.speed, SWING_MIN)
         begin, end = move.carry[0], move.carry[-1]
-        supports.append(Support(lift, land, _polygon(move), begin[:2], end[:2]))
+        supports.append(SupportPhase(lift, land, _polygon(move), begin[:2], end[:2]))
         time = land
     return tuple(supports)
 

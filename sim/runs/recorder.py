@@ -86,11 +86,7 @@ class Recorder:
     def _note_step(self, plan: StepPlan) -> None:
         simulation = self.simulation
         landed = [leg for leg in plan.swing if leg not in plan.end.lifted]
-        for leg in landed:
-            x, y, _ = plan.end.feet[leg]
-            cell = simulation.perception.belief.cell_at(x, y)
-            if cell is None or simulation.perception.true_forbidden[cell]:
-                self.forbidden_steps += 1
+        self._count_forbidden(plan, landed)
         record: dict[str, Any] = {
             "index": len(self.steps),
             "tick": simulation.tick_count,  # of N_{k+1}: the tick in which the step was over
@@ -115,6 +111,15 @@ class Recorder:
             record["decision"] = plan.decision
         self.steps.append(record)
         self._step_began = simulation.tick_count
+
+    def _count_forbidden(self, plan: StepPlan, landed: list[int]) -> None:
+        """Footholds that this machine must not step on."""
+        perception = self.simulation.perception
+        for leg in landed:
+            x, y, _ = plan.end.feet[leg]
+            cell = perception.belief.cell_at(x, y)
+            if cell is None or perception.true_forbidden[cell]:
+                self.forbidden_steps += 1
 
     def _note_input(self, tick: int, given: object) -> None:
         self.inputs.append({"tick": tick, **input_record(given)})
