@@ -126,3 +126,20 @@ def test_a_watcher_changes_nothing_while_another_drives(
     assert now(address)["distance_m"] > 0.0
     page.mouse.up()
     other.close()
+
+
+def test_what_a_scenario_expects_is_ticked_off_at_its_end(address: str, page: Page) -> None:
+    scenario = {
+        "name": "short",
+        "drive": [{"speed": 0.1}],
+        "end": {"distance": 0.2},
+        "expect": {"distance_min": 0.19, "falls_max": 0, "margin_min": 9.0},
+    }
+    load(address, {"scenario": scenario})
+    page.click("#play")
+    until(page, lambda: page.locator("#expected li").count() == 3)
+    assert page.locator("#expected .good").count() == 2
+    assert page.inner_text("#expected .bad").startswith("margin at least 9")
+    page.click("#again")
+    until(page, lambda: now(address)["playing"] and not page.locator("#expected").is_visible())
+    load(address, {"name": "flat"})

@@ -189,6 +189,13 @@ export interface StickValue {
   turn: number;
 }
 
+/** How a scenario's timeline ended, and what of the expected came. */
+export interface Played {
+  result: string;
+  reason: string;
+  expected: Record<string, { wanted: number; got: number | null; pass: boolean }>;
+}
+
 /** What the browser keeps for its user. */
 export interface Saved {
   repeats?: boolean; // held keys repeat here

@@ -1,9 +1,9 @@
 // Which world is walked in, and how its time goes: scenario, robot, planner mode, pause, rate.
 
-/** @import {SnapshotFrame} from "./frames" */
+/** @import {Played, SnapshotFrame} from "./frames" */
 
 import { ask, order } from "./api.js";
-import { button, buttons, div, element, mark, write } from "./dom.js";
+import { button, buttons, div, element, make, mark, write } from "./dom.js";
 import { onPress } from "./press.js";
 import { say } from "./status.js";
 
@@ -18,6 +18,9 @@ export class WorldControls {
     this.mode = element("planner-mode", HTMLSelectElement);
     this.rates = buttons("#rate button");
     this.loading = false;
+    this.wasPlaying = false;
+    /** @type {Played | null} */
+    this.played = null; // how the timeline ended, until it is driven on
     /** @type {SnapshotFrame | null} */
     this.newest = null;
     this.#listen();
@@ -105,12 +108,46 @@ export class WorldControls {
     this.#showCourse(s);
   }
 
+  async #askPlayed() {
+    try {
+      this.#showPlayed(await ask("GET", "console/played"));
+    } catch {
+      this.#showPlayed(null); // the server has gone: there is nothing to show
+    }
+  }
+
+  /**
+   * What of the expected came, ticked off.
+   * @param {Played | null} played
+   */
+  #showPlayed(played) {
+    if (this.played === played) return;
+    this.played = played;
+    const lines = Object.entries(played?.expected ?? {}).map(([key, { wanted, got, pass }]) =>
+      make("li", `${expectation(key)} ${wanted}: ${rounded(got)}`, pass ? "good" : "bad"),
+    );
+    const list = div("expected");
+    list.replaceChildren(...lines);
+    list.hidden = !lines.length;
+  }
+
+  /**
+   * @param {boolean} playing
+   * @param {boolean} arrived
+   */
+  #courseText(playing, arrived) {
+    if (playing) return "Playing by itself: touch the stick to drive";
+    if (this.played) return ENDINGS[this.played.result] ?? "";
+    return arrived ? "Its trace is walked" : "Follows its trace: stick = speed";
+  }
+
   /** @param {SnapshotFrame} s */
-  #showCourse({ given_trace, playing, blocked_by }) {
-    const arrived = blocked_by === "arrived";
-    div("course-choice").hidden = !given_trace && !playing;
-    const follows = arrived ? "Its trace is walked" : "Follows its trace: stick = speed";
-    write("course-text", playing ? "Playing by itself: touch the stick to drive" : follows);
+  #showCourse({ given_trace, playing, blocked_by, speed_m_s }) {
+    if (this.wasPlaying && !playing) this.#askPlayed();
+    if (playing || speed_m_s > 0) this.#showPlayed(null);
+    this.wasPlaying = playing;
+    div("course-choice").hidden = !given_trace && !playing && !this.played;
+    write("course-text", this.#courseText(playing, blocked_by === "arrived"));
     button("free-stick").hidden = !given_trace;
     button("again").hidden = playing;
   }
@@ -150,6 +187,22 @@ function onChoice(list, act) {
     open = false;
   });
 }
+
+/** @type {Record<string, string>} */
+const ENDINGS = {
+  completed: "The scenario is walked to its end", blocked: "The way ended here",
+  fell: "The machine fell", interrupted: "The walk was interrupted",
+};
+
+/**
+ * "distance_min" as people read it: "distance at least".
+ * @param {string} key
+ */
+const expectation = (key) =>
+  key.replace(/_min$/, " at least").replace(/_max$/, " at most").replaceAll("_", " ");
+
+/** @param {number | null} figure */
+const rounded = (figure) => (figure === null ? "–" : String(Number(figure.toFixed(3))));
 
 /**
  * @typedef {object} Choice

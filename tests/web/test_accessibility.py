@@ -1,0 +1,39 @@
+"""axe-core finds nothing serious on the page, at any size."""
+
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser
+
+from tests.web.browsing import IN_A_BROWSER
+
+AXE = Path(__file__).resolve().parents[2] / "node_modules" / "axe-core" / "axe.min.js"
+SIZES = [(1440, 900), (1024, 768), (844, 390), (390, 844), (720, 450)]  # the last: 200 % zoom
+
+pytestmark = [
+    *IN_A_BROWSER,
+    pytest.mark.skipif(not AXE.exists(), reason="axe-core is not installed: npm ci"),
+]
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_axe_finds_nothing_serious(address: str, browser: Browser, size: tuple[int, int]) -> None:
+    viewport = {"width": size[0], "height": size[1]}
+    context = browser.new_context(viewport=viewport, bypass_csp=True)  # type: ignore[arg-type]
+    page = context.new_page()
+    page.goto(f"{address}/?stand")
+    page.wait_for_selector("body.live")
+    for opened in ("", "document.querySelector('#view-button').click()", "help"):
+        if opened == "help":
+            page.keyboard.press("?")
+        elif opened:
+            page.evaluate(opened)
+        page.evaluate(AXE.read_text("utf-8"))
+        found = page.evaluate("axe.run(document, {iframes: false})")
+        bad = [
+            (violation["id"], [node["target"] for node in violation["nodes"]])
+            for violation in found["violations"]
+            if violation["impact"] in ("serious", "critical")
+        ]
+        assert bad == []
+    context.close()
