@@ -10,6 +10,7 @@ from walking_console.planner.control.tracking import TrajectoryTracker
 from walking_console.planner.crab.expected_supports import expected_supports
 from walking_console.planner.crab.gait import standard_stance
 from walking_console.planner.crab.planner import plan_step
+from walking_console.planner.crab.steps import StepRequest
 from walking_console.planner.geometry.transforms import seen
 from walking_console.planner.motion.body_sway import bounds_of, swayed
 from walking_console.planner.robot.model import load_machine
@@ -31,7 +32,7 @@ def walked(
     stance = standard_stance(TITAN, gait, command.crab_angle, 0.0, 0.0, 0.0, lambda x, y: 0.0)
     out = []
     for _ in range(steps):
-        decided = plan_step(stance, command, FLAT, TITAN, gait)
+        decided = plan_step(StepRequest(stance, command, FLAT, TITAN, gait))
         assert isinstance(decided, StepPlan)
         ahead = expected_supports(decided, command, TITAN, gait)
         plan = swayed(decided, stance, ahead, gait, TITAN)
