@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Iterator
 from itertools import chain
 
 from ..geometry.paths import ArcPath
-from ..geometry.polygons import Polygon
+from ..geometry.polygons import Polygon, convex_hull
 from ..geometry.transforms import direction
 from ..motion.leg_order import OTHERS, SUCCESSOR
 from ..stability import stable_interval, stable_on_arc, support_polygon
@@ -71,7 +71,7 @@ def triangle_of(posture: Posture, leg: int) -> Polygon:
     """The support polygon of the legs that stay when ``leg`` swings."""
     i, j, k = OTHERS[leg]
     feet = posture.feet
-    return support_polygon((feet[i], feet[j], feet[k]))
+    return convex_hull((feet[i], feet[j], feet[k]))
 
 
 def shift_of(posture: Posture, leg: int, margin: float | None = None) -> Shift | StepRefusal:
@@ -132,15 +132,19 @@ def leg_order(posture: Posture) -> list[LegShift]:
     pairs first and the nominal successor winning a tie; then the longest return. A leg that cannot
     swing falls to the back.
     """
-    successor = SUCCESSOR[posture.last] if posture.last >= 0 else -1
-
-    def rank(entry: LegShift) -> tuple[bool, int, bool, float]:
-        leg, shift = entry
+    last = posture.last
+    successor = SUCCESSOR[last] if last >= 0 else -1
+    ranked = []
+    for leg in range(4):
+        if leg == last:
+            continue
+        shift = shift_of(posture, leg)
         agreeing = agreeing_pairs(posture, leg)
         second = not (agreeing and leg == successor)
-        return isinstance(shift, StepRefusal), -agreeing, second, -return_length(posture, leg)
-
-    return sorted(((u, shift_of(posture, u)) for u in range(4) if u != posture.last), key=rank)
+        back = return_length(posture, leg)
+        ranked.append((isinstance(shift, StepRefusal), -agreeing, second, -back, leg, shift))
+    ranked.sort()  # never as far as the shifts: legs differ
+    return [(leg, shift) for _, _, _, _, leg, shift in ranked]
 
 
 def agreeing_pairs(posture: Posture, leg: int) -> int:
