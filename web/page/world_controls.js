@@ -124,7 +124,7 @@ export class WorldControls {
     if (this.played === played) return;
     this.played = played;
     const lines = Object.entries(played?.expected ?? {}).map(([key, { wanted, got, pass }]) =>
-      make("li", `${expectation(key)} ${wanted}: ${rounded(got)}`, pass ? "good" : "bad"),
+      make("li", `${expectation(key)} ${wanted}${unitOf(key)}: ${rounded(got)}`, pass ? "good" : "bad"),
     );
     const list = div("expected");
     list.replaceChildren(...lines);
@@ -200,6 +200,12 @@ const ENDINGS = {
  */
 const expectation = (key) =>
   key.replace(/_min$/, " at least").replace(/_max$/, " at most").replaceAll("_", " ");
+
+/** @type {[RegExp, string][]} */
+const UNITS = [[/speed/, " m/s"], [/^time/, " s"], [/distance|margin|off_line/, " m"]];
+
+/** @param {string} key */
+const unitOf = (key) => UNITS.find(([pattern]) => pattern.test(key))?.[1] ?? "";
 
 /** @param {number | null} figure */
 const rounded = (figure) => (figure === null ? "–" : String(Number(figure.toFixed(3))));

@@ -109,9 +109,13 @@ class Scene:
             self.robot = RobotNode(self.server, RobotShapes(machine))
             self.trails = Trails(self.server, machine)
             self.overlays = [make(self.server, machine) for make in OVERLAYS]
+        for viewer in list(self._viewers.values()):
+            viewer.look_at_machine(machine.height)
 
     def _welcome(self, client: viser.ClientHandle) -> None:
-        self._viewers[client.client_id] = Viewer(client, self._paint)
+        viewer = self._viewers[client.client_id] = Viewer(client, self._paint)
+        if self._machine is not None:
+            viewer.look_at_machine(self._machine.height)
 
     def _farewell(self, client: viser.ClientHandle) -> None:
         self._viewers.pop(client.client_id, None)

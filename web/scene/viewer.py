@@ -19,6 +19,7 @@ from .types import Floats
 CAMERA = np.array((-2.1, -2.5, 1.15))
 LOOK_AT = np.array((0.15, 0.0, -0.40))
 UP = (0.0, 0.0, 1.0)
+HEIGHT = 0.85  # m, of the machine they are for; another is looked at from as many of its heights
 NARROW = 1.25  # aspect below which the camera steps back, so that the legs stay in the picture
 FARTHEST = 2.2  # times the first distance; more: the machine is a speck on a phone
 
@@ -48,6 +49,7 @@ class Viewer:
         self.brush = ""
         self.radius = BRUSH
         self.follows = True
+        self.scale = 1.0  # of the first look
         self.world = client.scene.add_frame("/world", show_axes=False)
         self.layers: dict[str, viser.FrameHandle] = {}
         if client.camera.aspect < 1.0:
@@ -108,9 +110,16 @@ class Viewer:
         """Bring the camera back to its first look, farther off in a narrow window."""
         away = min(max(1.0, NARROW / self.client.camera.aspect), FARTHEST)
         with self.client.atomic():
-            self.client.camera.position = LOOK_AT + away * (CAMERA - LOOK_AT)
-            self.client.camera.look_at = LOOK_AT
+            self.client.camera.position = self.scale * (LOOK_AT + away * (CAMERA - LOOK_AT))
+            self.client.camera.look_at = self.scale * LOOK_AT
             self.client.camera.up_direction = UP
+
+    def look_at_machine(self, height: float) -> None:
+        """Scale the first look with the machine, and take it where that changes."""
+        scale = height / HEIGHT
+        if abs(scale - self.scale) > 0.01:
+            self.scale = scale
+            self.go_home()
 
     def move(self, position: Point) -> None:
         """Move the world under a camera that follows."""

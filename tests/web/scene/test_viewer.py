@@ -12,6 +12,7 @@ from walking_console.web.scene.viewer import (
     BRUSHES,
     CAMERA,
     FARTHEST,
+    HEIGHT,
     HIDDEN_AT_FIRST,
     LAYERS,
     LOOK_AT,
@@ -144,3 +145,12 @@ def test_the_first_look_is_the_same_for_wide_windows_and_farther_off_for_narrow_
     assert distance(1.6) == pytest.approx(first)
     assert distance(0.8) == pytest.approx(first * 1.25 / 0.8)
     assert distance(0.3) == pytest.approx(first * FARTHEST)
+
+
+def test_a_small_machine_is_looked_at_from_as_many_of_its_heights(viewer: Viewer) -> None:
+    client: Any = viewer.client
+    viewer.look_at_machine(HEIGHT)
+    assert viewer.scale == 1.0
+    viewer.look_at_machine(HEIGHT / 10)
+    assert client.camera.position == pytest.approx(CAMERA / 10)
+    assert client.camera.look_at == pytest.approx(LOOK_AT / 10)
