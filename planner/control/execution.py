@@ -18,6 +18,10 @@ ON_ALL_FEET = (Phase.SUPPORT, Phase.SHIFT)
 END = 1e-9  # s; a plan with less than this to go is over
 SLOWER = 0.5  # of the speed, while a foot slips and for a while after
 AHEAD = 0.7  # cosine, 45°: a body further aside of its course than that is beside its legs
+# m below the ground expected at which a foot has felt that there is none. Smaller: see false alarms
+# where the aim is hardly below the ground; larger: see it feel on over every hole
+FELT_BELOW = 0.005
+FEELS_ON_MAX = 3  # ticks a foot feels on at its aim: one to get there, one to feel, one to say so
 
 
 class Execution:
@@ -50,6 +54,7 @@ class Execution:
         self.interrupted: StepPlan | None = None
         # None: a plant that does exactly what it is told
         self.compliant = CompliantController.wanted(machine, self.config, self.tolerances)
+        self._felt_on = 0  # ticks the feet have felt on for ground since the plan was over
 
     # the plan
 
@@ -76,6 +81,7 @@ class Execution:
         self.tracker = TrajectoryTracker(plan)
         self.reflexes = self.reflexes.next_step()
         self.t = 0.0
+        self._felt_on = 0
 
     def hold(self, stance: Stance) -> None:
         """Stand as it stands, from a step-switching point on."""
@@ -154,6 +160,22 @@ class Execution:
         """
         waiting = self.plan.end.lifted if lifts else ()
         return any(leg not in waiting and not self.landed(leg) for leg in self.plan.swing)
+
+    def feels_on(self, lifts: bool, sensing: Sensing) -> bool:
+        """True when the plan is over and a swing leg may yet touch down: it has hardly been below
+        the ground expected, or its sole has just come on. Call it once a tick; it says so a few
+        times only.
+        """
+        waiting = self.plan.end.lifted if lifts else ()
+        legs = [leg for leg in self.plan.swing if leg not in waiting and not self.landed(leg)]
+        if self._felt_on >= FEELS_ON_MAX or not legs:
+            return False
+        self._felt_on += 1
+        feet = feet_absolute(sensing)
+        return any(
+            sensing.soles[leg] or feet[leg][2] > self.plan.end.feet[leg][2] - FELT_BELOW
+            for leg in legs
+        )
 
     def in_the_air(self) -> list[int]:
         """Swing legs that are in the air now."""

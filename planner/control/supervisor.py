@@ -261,6 +261,8 @@ class GaitSupervisor:
             return t_next
         if activity is Activity.REFLEX:
             return run.tracker.duration
+        if run.feels_on(stepping, now.sensing):
+            return run.tracker.duration
         if activity is Activity.SETTLE or run.misses_ground(stepping):
             return self.contacts.find_no_ground(now)
         follow = self._steps.switch if stepping else self.postures.next_plan
