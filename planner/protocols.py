@@ -7,7 +7,7 @@ fit when they have what is written here. Everything is SI: metres, radians, seco
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal, Protocol, TypeVar
 
@@ -76,7 +76,9 @@ class PlannerSetup:
         False  # slow down before unknown ground: the machine has an eye that will see it
     )
     path: SampledPath | None = None  # a given trace
-    rigid_gait: str | None = None  # this periodic gait and no other, for a planner that knows some
+    # this periodic gait and no other, for a planner that knows some: a name, or one of one's own
+    # (``rows``, ``fractions``, or ``duty`` and ``phases``)
+    rigid_gait: str | Mapping[str, Any] | None = None
     explain: bool = False  # fill the decision log
 
 

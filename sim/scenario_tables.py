@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, PlainValidator, ValidationError, model_validator
 
 from walking_console.planner import registry
 from walking_console.planner.types import TICK, Command
@@ -15,7 +16,51 @@ from .tables import Bearing, MapMetres, Registered, Table
 DURATION_MAX = 3600.0  # s
 DRIVES_MAX = 200_000  # entries of a timeline: a whole run at 50 Hz, and some
 
-RigidGaitName = Annotated[str, Registered(registry.rigid_gait_names)]
+DIGITS = r"^[01]{4,8}$"
+FRACTION = r"^[0-9]{1,20}(/[1-9][0-9]{0,19})?$"
+
+Share = Annotated[float, Field(ge=0.0, le=1.0)]
+
+
+class OwnGait(Table):
+    """A rigid gait of one's own, legs in the machine's order: rows, fractions, or duty and
+    phases.
+    """
+
+    # each a state, a digit a leg: 1 stands, 0 is in the air
+    rows: list[Annotated[str, Field(pattern=DIGITS)]] | None = Field(
+        default=None, min_length=2, max_length=64
+    )
+    # as the paper has them, "14/15"
+    fractions: list[Annotated[str, Field(pattern=FRACTION)]] | None = Field(
+        default=None, min_length=4, max_length=8
+    )
+    duty: float | None = Field(default=None, ge=0.5, le=0.95)  # share of the cycle a leg stands
+    # when in the cycle each leg comes down
+    phases: list[Share] | None = Field(default=None, min_length=4, max_length=8)
+
+    @model_validator(mode="after")
+    def _in_one_way(self) -> OwnGait:
+        timed = self.duty is not None and self.phases is not None
+        half = (self.duty is None) != (self.phases is None)
+        if half or [self.rows is not None, self.fractions is not None, timed].count(True) != 1:
+            raise ValueError("needs rows, or fractions, or duty and phases")
+        return self
+
+
+def _rigid(value: Any) -> str | dict[str, Any]:
+    """The name of a rigid gait, or one of one's own as plain data."""
+    if isinstance(value, Mapping):
+        try:
+            return OwnGait.model_validate(dict(value)).model_dump(exclude_none=True)
+        except ValidationError as error:
+            fault = error.errors(include_url=False)[0]
+            where = "".join(f"{part}: " for part in fault["loc"])
+            raise ValueError(f"{where}{fault['msg']}".removeprefix("Value error, ")) from None
+    return Registered(registry.rigid_gait_names).checked(value)
+
+
+RigidGait = Annotated[str | dict[str, Any], PlainValidator(_rigid)]
 
 
 class GaitChange(Table):
@@ -27,7 +72,7 @@ class GaitChange(Table):
     height: float | None = Field(default=None, gt=0.0, le=5.0)  # m, H
     smooth: bool = True  # eased swing phases; false: constant velocity between knots
     # trace planner: this gait and no other
-    rigid: RigidGaitName | None = None
+    rigid: RigidGait | None = None
     # m, distance from the edge of the support polygon that a swaying body keeps where it can
     margin: float = Field(default=0.02, ge=0.0, le=0.2)
     # m/s², most the body speeds up or slows down; what the margin allows when not given

@@ -25,7 +25,8 @@ class Registered:
     def __init__(self, names: Callable[[], Iterable[str]]) -> None:
         self._names = names
 
-    def _check(self, value: Any) -> str:
+    def checked(self, value: Any) -> str:
+        """The name, if it is one of them."""
         known = sorted(self._names())
         if isinstance(value, str) and value in known:
             return value
@@ -36,7 +37,7 @@ class Registered:
         )
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(self._check)
+        return core_schema.no_info_plain_validator_function(self.checked)
 
     def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
         return {"type": "string", "enum": sorted(self._names())}

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from walking_console.planner import registry
 from walking_console.planner.geometry.paths import SampledPath
 from walking_console.planner.initial_stance import HeightAt, Placement, stance_on
-from walking_console.planner.protocols import PlannerError
+from walking_console.planner.protocols import PlannerError, PlannerSetup
 from walking_console.planner.robot.model import Machine
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.terrain.traversability import classify
@@ -51,6 +51,7 @@ def prepare(
     check_plant(scenario)
     machine = machine or scenario.machine()
     gait = scenario.gait_for(machine)
+    check_rigid_gait(scenario, machine, gait)
     course = given_trace(scenario, machine)
     if ground is None:
         ground = ground_for(scenario, machine, gait)
@@ -66,6 +67,17 @@ def check_plant(scenario: Scenario) -> None:
         plant_entry(scenario.plant).check()
     except PlantMissing as error:
         raise ScenarioError(f"plant: {error}") from None
+
+
+def check_rigid_gait(scenario: Scenario, machine: Machine, gait: Gait) -> None:
+    """Raises ``ScenarioError`` for a rigid gait that this machine cannot walk."""
+    if scenario.gait.rigid is None:
+        return
+    setup = PlannerSetup(machine, gait, scenario.mode, rigid_gait=scenario.gait.rigid)
+    try:
+        registry.make_planner(scenario.planner, setup)
+    except PlannerError as error:
+        raise ScenarioError(f"gait.rigid: {error}") from None
 
 
 def ground_for(scenario: Scenario, machine: Machine, gait: Gait) -> Ground:

@@ -7,12 +7,16 @@ front-left. Digit n of a leg's fraction is its n-th state; a cyclic gait is a re
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
+
+from ..robot.model import Machine
 
 SUPPORTING_MIN = 3  # legs, K: a statically stable gait keeps three down in every state
 LENGTH_MAX = 64  # states in a cycle
+STATES = 60  # that a cycle of phases is cut into
 
 Row = tuple[int, ...]
 
@@ -41,18 +45,28 @@ class RigidGait:
 
     @property
     def groups(self) -> tuple[tuple[int, ...], ...]:
-        """The legs moved together, in order: each time legs come down."""
-        moved = []
+        """The legs moved together, in order of lifting: those that lift before the first of them is
+        half way. Lifting and landing together is the nearest to overlapping swings that a walk by
+        changes of state has.
+        """
+        moved: list[list[int]] = []
+        half = -1.0
+        for start, length, leg in sorted(self._swings()):
+            if start > half:
+                moved.append([])
+                half = start + length / 2
+            moved[-1].append(leg)
+        return tuple(tuple(sorted(legs)) for legs in moved)
+
+    def _swings(self) -> Iterator[tuple[int, int, int]]:
+        """Every time a leg is in the air: first state, number of states, leg."""
         n = len(self.rows)
-        for k in range(n):
-            down = tuple(
-                leg
-                for leg, digit in enumerate(self.rows[k])
-                if digit == 0 and self.rows[(k + 1) % n][leg] == 1
-            )
-            if down:
-                moved.append(down)
-        return tuple(moved)
+        for leg in range(len(self.rows[0])):
+            digits = [row[leg] for row in self.rows]
+            for k in range(n):
+                if digits[k] == 0 and digits[k - 1] == 1:
+                    length = next(m for m in range(1, n) if digits[(k + m) % n] == 1)
+                    yield k, length, leg
 
     @property
     def fractions(self) -> tuple[Fraction, ...]:
@@ -108,23 +122,96 @@ GAITS: dict[str, RigidGait] = {
             111111 111011
             111111 111101
             111111 111110""",
+        # the waves of the two sides half a cycle apart: a third of it in the air, two legs a time
         "ripple": """
-            111111 110111
-            111111 111110
-            111111 101111
-            111111 111011
-            111111 011111
-            111111 111101""",
+            110101
+            110110
+            101110
+            101011
+            011011
+            011101""",
         "gallop": """
             111111 110011
             111111 101101
             111111 011110""",
     }.items()
 }
+LEGS_MIN = {"tripod": 6, "wave": 4, "ripple": 5, "gallop": 5}
 
 
-def rigid_gait(name: str) -> RigidGait:
-    """A shipped rigid gait of the six-legged machine; raises ``GaitError`` with the known names."""
+def rigid_gait(name: str, machine: Machine | None = None) -> RigidGait:
+    """A rigid gait by name, of this machine or of six legs; raises ``GaitError`` with the known
+    names, or with the number of legs it is for.
+    """
     if name not in GAITS:
         raise GaitError(f"unknown gait {name!r}; there are: free, {', '.join(GAITS)}")
-    return GAITS[name]
+    if machine is None or len(machine.legs) == len(GAITS[name].rows[0]):
+        return GAITS[name]
+    count = len(machine.legs)
+    if count < LEGS_MIN[name]:
+        raise GaitError(
+            f"rigid gait {name!r} is for at least {LEGS_MIN[name]} legs; {machine.name} has {count}"
+        )
+    return RigidGait(name, _rows_of_groups(_groups_for(name, machine), count))
+
+
+def _groups_for(name: str, machine: Machine) -> list[list[int]]:
+    """The legs moved together, of any number of legs: each side from the rear to the front."""
+    legs = range(len(machine.legs))
+    if name == "tripod":
+        return [[leg for leg in legs if leg % 2 == odd] for odd in (1, 0)]
+    places = [leg.centre for leg in machine.legs]
+    left = sorted((leg for leg in legs if places[leg][1] >= 0.0), key=lambda leg: places[leg][0])
+    right = sorted((leg for leg in legs if places[leg][1] < 0.0), key=lambda leg: places[leg][0])
+    if name == "wave":
+        return [[leg] for leg in (*left, *right)]
+    count = max(len(left), len(right))
+    aside = count - 1 if name == "ripple" else 0  # of one wave behind the other
+    both = [(*left[k : k + 1], *_one(right, (k + aside) % count)) for k in range(count)]
+    return [sorted(pair) for pair in both]
+
+
+def _one(legs: Sequence[int], k: int) -> Sequence[int]:
+    return legs[k : k + 1]
+
+
+def _rows_of_groups(groups: Sequence[Sequence[int]], legs: int) -> tuple[Row, ...]:
+    """Rows in which each group in turn is in the air, all legs down between."""
+    rows: list[Row] = []
+    for group in groups:
+        rows += [(1,) * legs, tuple(int(leg not in group) for leg in range(legs))]
+    return tuple(rows)
+
+
+def given_gait(given: Mapping[str, Any], machine: Machine) -> RigidGait:
+    """A rigid gait of one's own: ``rows``, ``fractions``, or ``duty`` and ``phases``, legs in the
+    machine's order. Raises ``GaitError``.
+
+    ``phases`` say when in the cycle each leg comes down; it then stands for ``duty`` of the cycle.
+    """
+    rows = _given_rows(given)
+    if len(rows) > LENGTH_MAX:
+        raise GaitError(f"a rigid gait has at most {LENGTH_MAX} states, got {len(rows)}")
+    for row in rows:
+        if len(row) != len(machine.legs):
+            raise GaitError(
+                f"a rigid gait says of every leg what it does; {machine.name} has "
+                f"{len(machine.legs)} legs, this gait {len(row)}"
+            )
+    gait = RigidGait("own", rows)
+    resting = set(range(len(machine.legs))) - {leg for group in gait.groups for leg in group}
+    if resting:
+        raise GaitError(f"leg {min(resting) + 1} never swings in this gait")
+    return gait
+
+
+def _given_rows(given: Mapping[str, Any]) -> tuple[Row, ...]:
+    if "rows" in given:
+        return tuple(tuple(int(digit) for digit in row) for row in given["rows"])
+    if "fractions" in given:
+        return rows_of([Fraction(text) for text in given["fractions"]])
+    duty = float(given["duty"])
+    moments = [(k + 0.5) / STATES for k in range(STATES)]
+    return tuple(
+        tuple(int((moment - phase) % 1.0 < duty) for phase in given["phases"]) for moment in moments
+    )

@@ -8,7 +8,7 @@ from ..protocols import Capabilities, Planner, PlannerError, PlannerSetup, Plann
 from ..terrain.map import TerrainMap
 from ..types import Blocked, Command, GaitPreview, Stance, StepPlan
 from .expected_supports import expected_supports
-from .periodic_gaits import GAITS, rigid_gait
+from .periodic_gaits import GAITS, given_gait, rigid_gait
 from .planner import TraceWalk
 from .preview import ahead, course_now
 
@@ -30,7 +30,12 @@ class TracePlanner(Planner):
     def __init__(self, setup: PlannerSetup) -> None:
         name = setup.rigid_gait
         try:
-            rigid = None if name is None else rigid_gait(name)
+            if name is None:
+                rigid = None
+            elif isinstance(name, str):
+                rigid = rigid_gait(name, setup.machine)
+            else:
+                rigid = given_gait(name, setup.machine)
             self.walk = TraceWalk(setup.machine, setup.gait, setup.path, rigid)
         except ValueError as error:
             raise PlannerError(str(error)) from None
