@@ -1,0 +1,47 @@
+"""Rigid gaits walked: of four and of six legs, by name and one's own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from walking_console.sim.runs.reader import open_run
+from walking_console.sim.runs.runner import run_scenario
+from walking_console.sim.scenario import ScenarioError
+from walking_console.sim.scenario_files import load_scenario
+
+FIXTURES = Path(__file__).parents[1] / "fixtures"
+FOUR = FIXTURES / "rigid-gait-on-four-legs" / "s.toml"
+SIX = FIXTURES / "ripple-is-a-wave" / "s.toml"
+
+
+def walked(scenario: Path, *settings: str, out: Path | None = None) -> dict[str, Any]:
+    return run_scenario(load_scenario(str(scenario), settings), out)
+
+
+@pytest.mark.parametrize("rigid", ["wave", '{rows=["1011", "0111", "1101", "1110"]}'])
+def test_four_legs_walk_a_wave(rigid: str) -> None:
+    summary = walked(FOUR, f"gait.rigid={rigid}")
+    assert summary["result"] == "completed" and summary["distance"] > 0.9
+    assert summary["margin_min"] > 0.0 and not summary["emergent"]
+
+
+def test_what_four_legs_cannot_walk_is_refused_with_the_count() -> None:
+    for rigid in ("tripod", "ripple", "gallop"):
+        with pytest.raises(ScenarioError, match="legs; titan3 has 4"):
+            walked(FOUR, f"gait.rigid={rigid}")
+
+
+@pytest.mark.parametrize("robot", ["hexapod", "phantomx"])
+def test_ripple_is_about_twice_as_fast_as_wave_with_two_legs_in_the_air(
+    robot: str, tmp_path: Path
+) -> None:
+    keys = (f"robot={robot}", "end={time=15.0}")
+    wave = walked(SIX, *keys, "gait.rigid=wave")
+    ripple = walked(SIX, *keys, "gait.rigid=ripple", out=tmp_path / "run")
+    assert 1.8 < ripple["distance"] / wave["distance"] < 2.6
+    in_the_air = (~open_run(tmp_path / "run").ticks["support"]).sum(axis=1)
+    assert np.max(in_the_air) == 2
