@@ -16,6 +16,7 @@ from ..types import Array
 from .lane import Lane
 
 DENSE = 16  # footholds a leg's rectangle may hold before the ground is thinned out
+COARSE = 1.25  # times the pitch that DENSE footholds have; cells of open ground beyond are divided
 AIR = -1  # in a footing: this leg is in the air
 
 Footing = tuple[int, ...]  # a foothold's number for every leg, AIR where there is none
@@ -51,6 +52,9 @@ def allowed_cells(
     of ``thin`` x ``thin`` cells when thinned.
     """
     window = within_reach(lane, terrain, machine)
+    parts = _parts(terrain, window, machine)
+    if parts > 1:
+        return _divided(terrain, window, parts)
     rows, columns = np.nonzero(~terrain.forbidden[window])
     rows = rows + window[0].start
     columns = columns + window[1].start
@@ -61,6 +65,28 @@ def allowed_cells(
     px = np.asarray(terrain.origin[0] + (columns + 0.5) * terrain.cell, dtype=np.float64)
     py = np.asarray(terrain.origin[1] + (rows + 0.5) * terrain.cell, dtype=np.float64)
     return px, py, np.asarray(terrain.heights[rows, columns], dtype=np.float64)
+
+
+def _parts(terrain: TerrainMap, window: Window, machine: Machine) -> int:
+    """Into how many parts a cell is divided each way. Open level ground is one surface: how coarse
+    its map is does not say where a foot may stand. 1 anywhere else.
+    """
+    if not terrain.is_level or terrain.forbidden[window].any():
+        return 1
+    area = max((leg.x[1] - leg.x[0]) * (leg.y[1] - leg.y[0]) for leg in machine.legs)
+    pitch = math.sqrt(area / DENSE)
+    return math.ceil(terrain.cell / pitch) if terrain.cell > COARSE * pitch else 1
+
+
+def _divided(terrain: TerrainMap, window: Window, parts: int) -> tuple[Array, Array, Array]:
+    """The centres of the parts of every cell of a window."""
+    (row, end_row), (column, end_column) = ((part.start, part.stop) for part in window)
+    part = terrain.cell / parts
+    x = terrain.origin[0] + (np.arange(column * parts, end_column * parts) + 0.5) * part
+    y = terrain.origin[1] + (np.arange(row * parts, end_row * parts) + 0.5) * part
+    px, py = (np.asarray(grid.ravel(), dtype=np.float64) for grid in np.meshgrid(x, y))
+    level = float(terrain.heights[row, column]) if len(px) else 0.0
+    return px, py, np.full(len(px), level)
 
 
 def thinning(lane: Lane, terrain: TerrainMap, machine: Machine) -> int:

@@ -1,0 +1,30 @@
+"""A longer run has a coarser map of level ground; the walk over it is no other."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from walking_console.sim.scenario_files import load_scenario
+from walking_console.sim.simulation import Simulation
+
+REPORTED = Path(__file__).parents[1] / "fixtures" / "longer-run-blocks-hexapod" / "s.toml"
+
+
+def distance_in(seconds: float, robot: str, degrees: float, end: float) -> float:
+    """m walked in the first seconds of a run that would last ``end`` s."""
+    keys = (f"robot={robot}", f"end={{time={end}}}")
+    simulation = Simulation(load_scenario(str(REPORTED), keys))
+    simulation.drive(math.radians(degrees), simulation.world.scenario.drive[0].speed)
+    simulation.run(seconds=seconds)
+    return simulation.distance
+
+
+@pytest.mark.parametrize("robot", ["phantomx", "hexapod"])
+@pytest.mark.parametrize("degrees", [45.0, 15.0])
+def test_six_legs_walk_level_ground_whatever_the_run_s_length(robot: str, degrees: float) -> None:
+    short = distance_in(6.0, robot, degrees, 30.0)
+    long = distance_in(6.0, robot, degrees, 3600.0)
+    assert short > 0.2 and long > 0.8 * short
