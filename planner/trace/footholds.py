@@ -67,6 +67,11 @@ def allowed_cells(
     return px, py, np.asarray(terrain.heights[rows, columns], dtype=np.float64)
 
 
+def is_open(lane: Lane, terrain: TerrainMap, machine: Machine) -> bool:
+    """Whether the ground is level and all of it within reach of the lane may be stepped on."""
+    return terrain.is_level and not terrain.forbidden[within_reach(lane, terrain, machine)].any()
+
+
 def _parts(terrain: TerrainMap, window: Window, machine: Machine) -> int:
     """Into how many parts a cell is divided each way. Open level ground is one surface: how coarse
     its map is does not say where a foot may stand. 1 anywhere else.

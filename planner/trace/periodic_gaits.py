@@ -155,6 +155,13 @@ def rigid_gait(name: str, machine: Machine | None = None) -> RigidGait:
     return RigidGait(name, _rows_of_groups(_groups_for(name, machine), count))
 
 
+def fastest_gait(machine: Machine) -> RigidGait | None:
+    """The one with most legs in the air at a time that this machine has the legs for."""
+    legs = len(machine.legs)
+    name = next((name for name in ("tripod", "ripple") if legs >= LEGS_MIN[name]), None)
+    return None if name is None else rigid_gait(name, machine)
+
+
 def _groups_for(name: str, machine: Machine) -> list[list[int]]:
     """The legs moved together, of any number of legs: each side from the rear to the front."""
     legs = range(len(machine.legs))

@@ -16,11 +16,11 @@ from ..geometry.paths import SampledPath
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
 from ..types import Command, Gait, Point, Stance
-from .footholds import AIR, Footing, thinning
+from .footholds import AIR, Footing, is_open, thinning
 from .lane import ASIDE, TraceWindow, lane_along
 from .moves import Move, moves_along
 from .paths import joystick_trace, step_for
-from .periodic_gaits import RigidGait
+from .periodic_gaits import RigidGait, fastest_gait
 from .reachability import Reachability
 from .state_search import StatePath, search, search_rigid
 from .state_sequence import SupportState
@@ -173,6 +173,13 @@ def predicting(
         course = _joystick_course(stance, command, machine)
     else:
         course = _given_course(stance, trace, machine)
+    given = trace is not None
+    if rigid is None and not stance.lifted:
+        # a free gait may be any gait: where everything may be stepped on it is the fastest one
+        fast = _Attempt(course, stance, terrain, machine, gait, fastest_gait(machine))
+        yield from fast.in_the_open(limit)
+        if fast.path.complete:
+            return fast.prediction(command, given)
     attempt = _Attempt(course, stance, terrain, machine, gait, rigid)
     for aside, count in ((0.0, limit), (ASIDE * machine.torso[0], limit_wide)):
         if rigid is not None and aside:
@@ -181,7 +188,6 @@ def predicting(
         if done:
             break
         yield
-    given = trace is not None
     return attempt.prediction(command, given)
 
 
@@ -233,6 +239,15 @@ class _Attempt:
         self.moves: tuple[Move, ...] = ()
         self.looked = 0
         self.torso_stops = False
+
+    def in_the_open(self, count: int) -> Generator[None, None, None]:
+        """Search on the trace, if the ground along it is level and all of it may be stepped on."""
+        course = self.course
+        lane = lane_along(
+            course.trace, course.window, self.stance, self.terrain, self.machine, self.gait, 0.0
+        )
+        if self.rigid is not None and is_open(lane, self.terrain, self.machine):
+            yield from self.along(0.0, count, count)
 
     def along(self, aside: float, count: int, count_dense: int) -> Generator[None, None, bool]:
         """Search with rows up to ``aside`` m beside the trace, meeting ``count`` states at most, or
