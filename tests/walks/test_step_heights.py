@@ -36,7 +36,14 @@ def test_no_step_of_four_legs_is_an_alarm(robot: str, mode: str, up: float, down
     ("robot", "lift"), [("hexapod", 0.1), ("hexapod", 0.003), ("phantomx", 0.001)]
 )
 def test_no_step_of_six_legs_is_an_alarm(robot: str, lift: float) -> None:
-    keys = ("planner=trace", f"robot={robot}", f"gait.lift_up={lift}", f"gait.lift_down={lift}")
+    brisk = "drive=[{t=0.0,crab_angle_deg=10.0,speed=0.3}]"
+    keys = (
+        "planner=trace",
+        brisk,
+        f"robot={robot}",
+        f"gait.lift_up={lift}",
+        f"gait.lift_down={lift}",
+    )
     emergent, steps = alarms(*keys)
     assert emergent == 0 and steps >= 2
 
