@@ -110,12 +110,12 @@ class Scene:
             self.trails = Trails(self.server, machine)
             self.overlays = [make(self.server, machine) for make in OVERLAYS]
         for viewer in list(self._viewers.values()):
-            viewer.look_at_machine(machine.height)
+            viewer.look_at_machine(_size(machine))
 
     def _welcome(self, client: viser.ClientHandle) -> None:
         viewer = self._viewers[client.client_id] = Viewer(client, self._paint)
         if self._machine is not None:
-            viewer.look_at_machine(self._machine.height)
+            viewer.look_at_machine(_size(self._machine))
 
     def _farewell(self, client: viser.ClientHandle) -> None:
         self._viewers.pop(client.client_id, None)
@@ -125,6 +125,11 @@ class Scene:
         place = self.terrain.hit(origin, direction)
         if place is not None:
             self.on_paint(brush, *place, radius)
+
+
+def _size(machine: Machine) -> float:
+    """How far its feet stand from its middle, m."""
+    return max(math.hypot(leg.centre[0], leg.centre[1]) for leg in machine.legs)
 
 
 def _set_stage(server: viser.ViserServer) -> None:

@@ -19,7 +19,7 @@ from .types import Floats
 CAMERA = np.array((-2.1, -2.5, 1.15))
 LOOK_AT = np.array((0.15, 0.0, -0.40))
 UP = (0.0, 0.0, 1.0)
-HEIGHT = 0.85  # m, of the machine they are for; another is looked at from as many of its heights
+SIZE = 0.654  # m, of the machine they are for; others are looked at from as many of their sizes
 NARROW = 1.25  # aspect below which the camera steps back, so that the legs stay in the picture
 FARTHEST = 2.2  # times the first distance; more: the machine is a speck on a phone
 
@@ -114,9 +114,9 @@ class Viewer:
             self.client.camera.look_at = self.scale * LOOK_AT
             self.client.camera.up_direction = UP
 
-    def look_at_machine(self, height: float) -> None:
+    def look_at_machine(self, size: float) -> None:
         """Scale the first look with the machine, and take it where that changes."""
-        scale = height / HEIGHT
+        scale = size / SIZE
         if abs(scale - self.scale) > 0.01:
             self.scale = scale
             self.go_home()

@@ -12,10 +12,10 @@ from walking_console.web.scene.viewer import (
     BRUSHES,
     CAMERA,
     FARTHEST,
-    HEIGHT,
     HIDDEN_AT_FIRST,
     LAYERS,
     LOOK_AT,
+    SIZE,
     WIDE_BRUSH,
     Viewer,
 )
@@ -147,10 +147,10 @@ def test_the_first_look_is_the_same_for_wide_windows_and_farther_off_for_narrow_
     assert distance(0.3) == pytest.approx(first * FARTHEST)
 
 
-def test_a_small_machine_is_looked_at_from_as_many_of_its_heights(viewer: Viewer) -> None:
+def test_a_small_machine_is_looked_at_from_as_many_of_its_sizes(viewer: Viewer) -> None:
     client: Any = viewer.client
-    viewer.look_at_machine(HEIGHT)
+    viewer.look_at_machine(SIZE)
     assert viewer.scale == 1.0
-    viewer.look_at_machine(HEIGHT / 10)
+    viewer.look_at_machine(SIZE / 10)
     assert client.camera.position == pytest.approx(CAMERA / 10)
     assert client.camera.look_at == pytest.approx(LOOK_AT / 10)
