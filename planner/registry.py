@@ -21,10 +21,11 @@ from typing import Any
 from .crab.gait import standard_stance
 from .crab.modes import MODES as CRAB_MODES
 from .crab.modes import CrabPlanner
-from .crab.slope_adaptation import fitted_at_start
+from .crab.slope_adaptation import walker_on_slopes
 from .geometry.paths import SampledPath
 from .geometry.transforms import Pose
 from .initial_stance import Placement, StanceMaker, square_stance
+from .motion.slope_strides import fitted_at_start
 from .protocols import Capabilities, Planner, PlannerError, PlannerSetup
 from .robot.model import Machine
 from .trace.paths import trace_for
@@ -208,7 +209,7 @@ def _standard_stance(machine: Machine, gait: Gait, place: Placement, mode: Capab
     """The standard posture of the first course (gait-dependent, H §4.3), on strides that fit."""
     crab_angle, pose, height_at = place.crab_angle, place.pose, place.height_at
     if mode.fits_slopes:
-        machine = fitted_at_start(machine, gait, crab_angle, pose, height_at)
+        machine = fitted_at_start(walker_on_slopes(machine, gait), crab_angle, pose, height_at)
     return standard_stance(machine, gait, crab_angle, *pose, height_at)
 
 

@@ -90,22 +90,21 @@ def beam(
 
 
 def rollouts(
-    options: Iterable[tuple[Option[S, C], C]],
+    options: Iterable[Option[S, C]],
     policy: Callable[[S], tuple[S, float] | None],
     steps: int,
-    gained: float = 0.0,
-    before: int = 0,
+    begun: tuple[C, float] | None = None,
 ) -> Search[S, C]:
     """Take each option, then follow the policy for ``steps`` steps. Pauses after each option.
 
-    Each option comes with the first candidate it stands for; ``gained`` in ``before`` steps counts
-    for all of them.
+    ``begun`` is a step taken before, with its gain: it then is the first of all of them.
     """
     found: list[Branch[S, C]] = []
-    for option, first in options:
+    for option in options:
         node = option.node
+        first, gained = (option.candidate, 0.0) if begun is None else begun
         gain = gained + option.gain
-        taken = before + 1
+        taken = 1 if begun is None else 2
         for _ in range(steps):
             ahead = policy(node)
             if ahead is None:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 
+from .geometry.paths import ArcPath
 from .geometry.polygons import Polygon, convex_hull
 from .geometry.transforms import XY
 
@@ -60,6 +61,14 @@ def stable_interval(
         ax = bx
         ay = by
     return (low, high) if low <= high else (math.inf, -math.inf)
+
+
+def stable_on(path: ArcPath, polygon: Polygon, inset: float = 0.0) -> tuple[float, float]:
+    """The s over which the CoG is inside a polygon along a path, by ``inset`` from every edge."""
+    ux, uy, turn = path
+    if turn == 0.0 and inset == 0.0:
+        return stable_interval(polygon, 0.0, 0.0, ux, uy)
+    return stable_on_arc(polygon, ux, uy, turn, inset)
 
 
 def stable_on_arc(

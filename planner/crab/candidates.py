@@ -5,15 +5,13 @@ shift of the body on four legs.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from copy import copy
-from itertools import islice
 from typing import Any, NamedTuple
 
 from ..geometry.paths import line_exit
 from ..geometry.polygons import inside_of, nearest_of
 from ..geometry.transforms import XY
-from ..motion.step_builder import with_feet
 from ..search import Branch
 from ..terrain.cells import FootholdMap, foothold_map, one_of_each_block
 from ..types import Stance
@@ -21,9 +19,9 @@ from .decision_log import DecisionLog, StepRefusal
 from .foothold_checks import FootholdChecks
 from .gait import Posture, nominal_gait, posture_of
 from .leg_selection import (
+    STANDING_LEG,
     Accepts,
     after,
-    allowed,
     body_shift_to,
     changes_nothing,
     decide,
@@ -96,7 +94,7 @@ class SearchContext:
         """What refuses footholds for their height; None where there are no heights to mind."""
         if node.stance is None:
             return None
-        return FootholdChecks(node.posture, self.request._replace(stance=node.stance)).refuses
+        return FootholdChecks(node.posture, self.request, node.stance).refuses
 
     def paper_step(self, node: Node, log: DecisionLog | None = None) -> SwingStep | None:
         """What the paper's own policy does at a node."""
@@ -104,47 +102,45 @@ class SearchContext:
 
     def after(self, node: Node, candidate: Candidate) -> Node:
         """The node at N_{k+1}."""
+        stance = node.stance
         if isinstance(candidate, SwingStep):
             posture = after(node.posture, candidate)
+            if stance is not None:
+                checks = FootholdChecks(node.posture, self.request, stance)
+                z = checks.height_after(candidate, candidate.landing)
+                stance = checks.stance_after(posture, candidate, z)
         else:
             posture = shifted(node.posture, candidate)
-        if node.stance is None:
-            return Node(posture, None)
-        return Node(posture, self._stance_after(node.posture, node.stance, candidate, posture))
-
-    def _stance_after(
-        self, before: Posture, stance: Stance, candidate: Candidate, posture: Posture
-    ) -> Stance:
-        _, _, z, yaw = stance.body
-        feet, last = stance.feet, stance.last_swing
-        if isinstance(candidate, SwingStep):
-            checks = FootholdChecks(before, self.request._replace(stance=stance))
-            z = checks.height_after(candidate, candidate.landing)
-            last = self.nominal.body_leg[candidate.leg]
-            feet = with_feet(feet, {last: checks.foot_at(candidate.landing)})
-        return Stance((posture.x, posture.y, z, yaw), feet, last, self.nominal.quarter_turns)
+            if stance is not None:
+                body = posture.x, posture.y, *stance.body[2:]
+                n = self.nominal.quarter_turns
+                stance = Stance(body, stance.feet, stance.last_swing, n)
+        return Node(posture, stance)
 
 
 # steps near the paper's own
 
 
 def near_steps(
-    context: SearchContext, node: Node, margins: tuple[float, ...], per_shift: int, legs: int = 3
+    context: SearchContext, node: Node, margins: tuple[float, ...], per_shift: int
 ) -> Iterator[SwingStep]:
-    """The paper's legs in its order, its shifts with each margin, its footholds in the order of H
-    §5.5: the first of each.
-    """
+    """The first footholds (H §5.5) of the paper's legs in its order, with each margin."""
     posture = node.posture
     accepts = context.accepts(node)
-    for leg, paper in leg_order(posture)[:legs]:
+    for leg, paper in leg_order(posture)[:3]:
         if isinstance(paper, StepRefusal):
             continue
         shifts = (within_margin(context.least, shift_of(posture, leg, m)) for m in margins)
         for shift in dict.fromkeys(shifts):
-            if shift is not None:
-                steps = steps_to(posture, shift, context.cells, accepts)
-                moves = (step for step in steps if not changes_nothing(posture, step, step.landing))
-                yield from islice(moves, per_shift)
+            if shift is None:
+                continue
+            left = per_shift
+            for step in steps_to(posture, shift, context.cells, accepts):
+                if not changes_nothing(posture, step, step.landing):
+                    yield step
+                    left -= 1
+                    if not left:
+                        break
 
 
 def within_margin(least: float, shift: Shift | StepRefusal) -> Shift | None:
@@ -175,16 +171,24 @@ def wide_steps(context: SearchContext, node: Node, short: bool = True) -> Iterat
         for shift in wide_shifts(context, posture, leg, short):
             steps = steps_anywhere(posture, shift, context.cells)
             if accepts is not None:
-                steps = allowed(steps, shift, accepts)
+                steps = accepted(shift, steps, accepts)
             for step in thinned(list(steps), WIDE_MAX):
                 if not changes_nothing(posture, step, step.landing):
                     yield step
 
 
+def accepted(shift: Shift, steps: Iterable[SwingStep], accepts: Accepts) -> Iterator[SwingStep]:
+    """The steps whose footholds heights allow."""
+    for step in steps:
+        refusal = accepts(shift, step.landing)
+        if refusal is STANDING_LEG:
+            return
+        if refusal is None:
+            yield step
+
+
 def wide_shifts(context: SearchContext, posture: Posture, leg: int, short: bool) -> list[Shift]:
-    """``free_shift`` with the smallest margin: on four legs into the triangle, then on as far as it
-    goes, half, or not.
-    """
+    """``free_shift`` with the smallest margin: on as far as the triangle carries, half, or not."""
     shift = free_shift(posture, leg, SMALL)
     if isinstance(shift, StepRefusal):
         return []
@@ -223,23 +227,27 @@ def thinned(steps: list[SwingStep], most: int) -> list[SwingStep]:
 
 
 def body_shifts(posture: Posture) -> Iterator[BodyShift]:
-    """Four-leg shifts into the triangles of the legs that stay when each one swings, as short as
-    can be.
-    """
+    """The shortest four-leg shift into each triangle of legs that stay when one swings."""
     room = shift_room(posture)
     for leg in range(4):
         region = inside_of(room, triangle_of(posture, leg), INSET)
-        if not region:
-            continue
-        x, y = nearest_of(region, 0.0, 0.0)
-        if math.hypot(x, y) >= 2 * INSET:
-            yield body_shift_to(posture, x, y)
+        shift = shortest_shift(posture, [region], 2 * INSET)
+        if shift is not None:
+            yield shift
+
+
+def shortest_shift(posture: Posture, regions: Iterable[list[XY]], least: float) -> BodyShift | None:
+    """The shortest four-leg shift into the first of these regions that is as long as ``least``."""
+    for region in regions:
+        if region:
+            x, y = nearest_of(region, 0.0, 0.0)
+            if math.hypot(x, y) >= least:
+                return body_shift_to(posture, x, y)
+    return None
 
 
 def shift_room(posture: Posture) -> list[XY]:
-    """Where the body may be shifted to with every foot in reach, or no farther out of it than it
-    is: a rectangle.
-    """
+    """The rectangle the body may be shifted in with no foot farther out of its reach than it is."""
     reach = list(zip(posture.feet, posture.nominal.boxes, strict=True))
     x1 = min(max(fx - box[1] for (fx, _), box in reach), 0.0)
     x2 = max(min(fx - box[0] for (fx, _), box in reach), 0.0)

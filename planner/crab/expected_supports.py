@@ -30,7 +30,7 @@ def expected_supports(
     supports = []
     for _ in range(AHEAD):
         leg = nominal.order.successor[leg]
-        g = nominal.shift_of(leg)
+        g = nominal.lags[leg]
         g0 = min(2.0 * max(nominal.margin, 0.0), g) if leg in HIND else 0.0
         polygon = support_polygon(
             posture.absolute(*foot) for other, foot in enumerate(feet) if other != leg

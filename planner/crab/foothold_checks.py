@@ -12,16 +12,11 @@ import math
 from functools import cached_property
 
 from ..geometry.transforms import Body, left_fold_sum
-from ..motion.body_height import (
-    body_height,
-    ground_ahead,
-    height_range,
-    torso_needs,
-    torso_needs_exactly,
-)
+from ..motion.body_height import body_height, ground_ahead, height_range, torso_clearance
+from ..motion.step_builder import with_feet
 from ..motion.swing import CLEARANCE
 from ..robot.collision import leg_in_the_way, something_tall
-from ..types import Point
+from ..types import Point, Stance
 from .decision_log import StepRefusal
 from .gait import Posture
 from .steps import Landing, Shift, StepRequest, SwingStep
@@ -38,12 +33,14 @@ Swinging = Shift | SwingStep
 
 
 class FootholdChecks:
-    """Heights around one stance: what Level B3 says of a foothold before it is taken."""
+    """Heights around one stance (the request's unless given): what Level B3 says of a foothold."""
 
-    def __init__(self, posture: Posture, request: StepRequest) -> None:
+    def __init__(
+        self, posture: Posture, request: StepRequest, stance: Stance | None = None
+    ) -> None:
         self.posture = posture
         self.nominal = nominal = posture.nominal
-        self.stance = stance = request.stance
+        self.stance = stance = stance or request.stance
         self.terrain = terrain = request.terrain
         self.machine = request.machine
         self.gait = gait = request.gait
@@ -63,6 +60,13 @@ class FootholdChecks:
     def foot_at(self, landing: Landing) -> Point:
         """The foot on its new foothold, absolute frame."""
         return landing.ax, landing.ay, self.ground_at(landing)
+
+    def stance_after(self, posture: Posture, step: SwingStep, z: float) -> Stance:
+        """The stance in which a step to a posture leaves the walker, its body at height ``z``."""
+        leg = self.nominal.body_leg[step.leg]
+        feet = with_feet(self.stance.feet, {leg: self.foot_at(step.landing)})
+        body = posture.x, posture.y, z, self.stance.body[3]
+        return Stance(body, feet, leg, self.nominal.quarter_turns)
 
     def body_at(self, way: float, z: float) -> Body:
         """The body after so much way along the path, m, at height ``z``."""
@@ -148,25 +152,21 @@ class FootholdChecks:
 
     def _new_leg_meets(self, shift: Shift, landing: Landing, height: float) -> bool:
         """True when the leg that swings meets ground on its new foothold, as the step ends."""
-        feet = self._alone(shift.leg, self.foot_at(landing))
-        return self._meets(self.body_at(shift.g, height), feet)
+        leg = self.nominal.body_leg[shift.leg]
+        return self._meets(shift.g, height, {leg: self.foot_at(landing)})
 
     def _swinging_leg_meets(self, shift: Shift, landing: Landing) -> bool:
-        """True when the leg that swings sweeps through ground on its way, lifted as it is; first
-        where its foot stands yet.
-        """
+        """True when the leg that swings, lifted as it is, sweeps through ground on its way."""
+        leg = self.nominal.body_leg[shift.leg]
         z = self.stance.body[2]
-        from_x, from_y, from_z = self.stance.feet[self.nominal.body_leg[shift.leg]]
+        from_x, from_y, from_z = self.stance.feet[leg]
         lifted = max(from_z + self.gait.lift_up, self.crest(shift.leg, landing) + CLEARANCE)
         top = min(lifted, self.ceiling(z))
         for share in SWEPT:
-            foot = (
-                from_x + share * (landing.ax - from_x),
-                from_y + share * (landing.ay - from_y),
-                top if share else from_z,
-            )
-            body = self.body_at(shift.g0 + share * (shift.g - shift.g0), z)
-            if self._meets(body, self._alone(shift.leg, foot)):
+            x = from_x + share * (landing.ax - from_x)
+            y = from_y + share * (landing.ay - from_y)
+            way = shift.g0 + share * (shift.g - shift.g0)
+            if self._meets(way, z, {leg: (x, y, top if share else from_z)}):
                 return True
         return False
 
@@ -174,23 +174,16 @@ class FootholdChecks:
         """True when on the way of the step a leg that stays meets ground, whatever the foothold;
         asked for every cell, so remembered.
         """
-        key = u, g
-        if key not in self._met:
+        if (u, g) not in self._met:
             z = self.stance.body[2]
-            feet: list[Point | None] = list(self.stance.feet)
-            feet[u] = None
-            self._met[key] = any(
-                self._meets(self.body_at(share * g, z), feet) for share in LEG_CHECKS
-            )
-        return self._met[key]
+            feet = {leg: foot for leg, foot in enumerate(self.stance.feet) if leg != u}
+            self._met[u, g] = any(self._meets(share * g, z, feet) for share in LEG_CHECKS)
+        return self._met[u, g]
 
-    def _alone(self, leg: int, foot: Point) -> list[Point | None]:
-        feet: list[Point | None] = [None] * len(self.stance.feet)
-        feet[self.nominal.body_leg[leg]] = foot
-        return feet
-
-    def _meets(self, body: Body, feet: list[Point | None]) -> bool:
-        return leg_in_the_way(self.terrain, self.machine, body, feet) is not None
+    def _meets(self, way: float, z: float, feet: dict[int, Point]) -> bool:
+        """True when one of these legs meets ground with the body so far along the path, at z."""
+        tips = [feet.get(leg) for leg in range(len(self.stance.feet))]
+        return leg_in_the_way(self.terrain, self.machine, self.body_at(way, z), tips) is not None
 
     # what the swing and the torso must clear
 
@@ -203,9 +196,7 @@ class FootholdChecks:
         return max(z, self.ground_at(landing), between)
 
     def ceiling(self, height: float) -> float:
-        """How high a foot can be lifted in this step, m: the lift may use δz above the control
-        reach.
-        """
+        """How high a foot can be lifted in this step, δz above the control reach included, m."""
         low = min(self.stance.body[2], height)
         return low + self.machine.z_range[1] + self.machine.overreach[2]
 
@@ -218,5 +209,4 @@ class FootholdChecks:
         if terrain.highest + machine.torso[2] / 2 + CLEARANCE <= height:
             return -math.inf
         x, y, _, yaw = self.body_at(g, height)
-        needs = torso_needs(terrain, machine, x, y, yaw)
-        return needs if needs <= height else torso_needs_exactly(terrain, machine, x, y, yaw)
+        return torso_clearance(terrain, machine, x, y, yaw, height)

@@ -31,9 +31,7 @@ METHOD_III = StepRefusal.METHOD_III
 
 @dataclass(slots=True)
 class Domain:
-    """D_u as predicates. ``across`` and ``along`` are measured from L_G, positive to its left and
-    forward.
-    """
+    """D_u as predicates; ``across`` is positive to the left of L_G, ``along`` forward."""
 
     leg: int
     ux: float
@@ -125,10 +123,13 @@ def landings(
             note_cell(trial, ax, ay, StepRefusal.PROHIBITED)
     course = posture.turned(domain.ux, domain.uy)
     order = cells_across(cells, posture.around(domain.box), (ax, ay), course, trial is not None)
-    canonical = posture.canonical
+    px, py, c, s = posture.x, posture.y, posture.c, posture.s  # this is asked of every cell
     refuses = domain.refuses
     for ax, ay, free in order:
-        x, y = canonical(ax, ay)
+        dx = ax - px
+        dy = ay - py
+        x = c * dx + s * dy
+        y = c * dy - s * dx
         if refuses(x, y) is not None:
             continue
         if free:
@@ -138,9 +139,7 @@ def landings(
 
 
 def search_start(posture: Posture, domain: Domain, trial: DecisionLog | None = None) -> XY | None:
-    """I_u: on the stroke line where it meets D_u, else the point of D_u nearest to the phase point;
-    None where D_u is empty.
-    """
+    """I_u: on the stroke line within D_u, else the point of D_u nearest to the phase point."""
     cx, cy = posture.nominal.centres[domain.leg]
     low, high = stroke_in(posture.nominal, domain)
     phase = phase_point(posture, domain.leg)
@@ -188,9 +187,7 @@ def _on_stroke(posture: Posture, leg: int, phase: float, low: float, high: float
 
 
 def stroke_in(nominal: NominalGait, domain: Domain) -> tuple[float, float]:
-    """The part of the nominal stroke line of u inside D_u, as distances ahead of C_u; low > high
-    when the line misses D_u.
-    """
+    """The part of u's stroke line inside D_u, m ahead of C_u; low > high when it misses D_u."""
     cx, cy = nominal.centres[domain.leg]
     end = nominal.ends[domain.leg]
     low = domain.g - end
@@ -223,17 +220,13 @@ def stroke_in(nominal: NominalGait, domain: Domain) -> tuple[float, float]:
 
 
 def nearest_in(domain: Domain, x: float, y: float) -> XY | None:
-    """The point of D_u nearest to (x, y), as far as D_u has straight sides (``corners_of``); None
-    if D_u is empty.
-    """
+    """The point of D_u (``corners_of``) nearest to (x, y); None if D_u is empty."""
     corners = corners_of(domain)
     return nearest_of(corners, x, y) if corners else None
 
 
 def corners_of(domain: Domain) -> list[XY]:
-    """D_u as a polygon, the hyperbola of method I left out (``refuses`` still knows it); empty when
-    D_u is.
-    """
+    """D_u as a polygon, but for the hyperbola of method I, which ``refuses`` knows."""
     x1, x2, y1, y2 = domain.box
     corners = [(x1, y1), (x2, y1), (x2, y2), (x1, y2)]
     side = 1.0 if domain.left else -1.0

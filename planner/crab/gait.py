@@ -5,9 +5,7 @@ A path is a line or an arc (a line is an arc of turn 0), and one description ser
 in this folder thinks in the *gait frame*. On a line that is the canonical frame: the body frame
 turned by n quarter turns so that the crab angle lies within ±α_c' (H table 1), legs relabelled by
 quadrant there: 0 FL, 1 RL, 2 RR, 3 FR of the way ahead. On an arc it is the body frame itself
-(n = 0): where the body turns tightly no quadrant is ahead. The order and the phases of the legs are
-H's on a line; on an arc they are those with which the centre of gravity keeps farthest inside every
-triangle in turn: on the spot the legs go round one after the other, on a wide arc as H has them.
+(n = 0): where the body turns tightly no quadrant is ahead.
 """
 
 from __future__ import annotations
@@ -20,10 +18,10 @@ from ..geometry.paths import ArcPath, Box, arc_exit, line_exit
 from ..geometry.transforms import XY, direction
 from ..initial_stance import HeightAt, standing
 from ..motion.leg_order import LegOrder, order_on, standard_order
+from ..motion.quarter_turns import folded, half_width, quarter_turned, quarter_turns
 from ..motion.strides import (
     Strokes,
     centres_of,
-    critical_angle,
     mechanical_boxes,
     planning_boxes,
     stroke_length,
@@ -32,10 +30,6 @@ from ..motion.strides import (
 from ..robot.model import Machine
 from ..types import Gait, Stance
 
-QUARTER = math.pi / 2
-# rad (0.5°) beyond α_c before the gait turns over; smaller: see the legs regroup as the stick
-# trembles near 45°
-HYSTERESIS = 0.009
 # rad; the course keeps this far from α_c, where the CoG would pass over a foot and no triangle can
 # be entered
 TIE = 0.001
@@ -56,9 +50,7 @@ LegPair = tuple[int, int, float, float]  # legs i, j and the nominal displacemen
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NominalGait:
-    """The nominal walk of one machine, duty factor and path, in the gait frame. Lengths are metres
-    of s, angles radians.
-    """
+    """The nominal walk of one machine on one path, in the gait frame: m of s, radians."""
 
     path: ArcPath
     quarter_turns: int  # n of H table 1
@@ -71,7 +63,9 @@ class NominalGait:
     spares: tuple[float, ...]  # from there to the end of the reach; 0 on a line
     stride: float  # λ*
     order: LegOrder
-    lags: tuple[float, ...]  # how much later than u* leg u leaves its stroke
+    # how much later than u* leg u leaves its stroke: g of its nominal step, on a line (1-β)/β·λ* of
+    # a front leg, (β-1/2)/β·λ* of a hind leg
+    lags: tuple[float, ...]
     # [u][i]: how far leg i stands ahead of C_i when u has just landed
     layouts: tuple[tuple[float, ...], ...]
     # [u]: fore or hind pair, left or right pair, among the legs that stay when u swings next
@@ -88,16 +82,8 @@ class NominalGait:
         return self.order.margin
 
     def layout_before(self, leg: int) -> tuple[float, ...]:
-        """How far every leg stands ahead of its C_i at the switching point where ``leg`` swings
-        next.
-        """
+        """How far every leg stands ahead of its C_i where ``leg`` swings next."""
         return self.layouts[self.order.predecessor[leg]]
-
-    def shift_of(self, leg: int) -> float:
-        """g of the nominal step of ``leg``: on a line (1-β)/β·λ* for a front leg, (β-1/2)/β·λ* for
-        a hind leg.
-        """
-        return self.lags[leg]
 
 
 @dataclass(eq=False)
@@ -156,49 +142,16 @@ class Posture:
 
 def posture_of(nominal: NominalGait, stance: Stance) -> Posture:
     """A stance in the gait frame of ``nominal``."""
-    n = nominal.quarter_turns
     x, y, _, yaw = stance.body
-    bare = Posture(nominal, x, y, *quarter_turned(*direction(yaw), n), (), -1)
-    feet = tuple(bare.canonical(*stance.feet[leg][:2]) for leg in nominal.body_leg)
-    last = stance.last_swing
-    return replace(bare, feet=feet, last=(last - n) % 4 if last >= 0 else -1)
-
-
-def quarter_turned(x: float, y: float, n: int) -> XY:
-    """A vector (or a cosine and a sine) turned by n quarter turns, without rounding."""
-    for _ in range(n % 4):
-        x, y = -y, x
-    return x, y
-
-
-# the fold of H table 1
-
-
-def quarter_turns(machine: Machine, crab_angle: float, previous: int = -1) -> int:
-    """n of H table 1, 0 to 3. Within the hysteresis of the boundary ``previous`` stays."""
-    critical = critical_angle(machine)
-    if previous >= 0:
-        beyond = abs(folded(crab_angle, previous)) - _half_width(critical, previous)
-        if beyond <= HYSTERESIS:
-            return previous
-    for n in range(4):
-        rest = folded(crab_angle, n)
-        half = _half_width(critical, n)
-        if -half + 1e-12 < rest <= half + 1e-12:
-            return n
-    return 0  # not reached: the four ranges cover the circle
-
-
-def folded(crab_angle: float, n: int) -> float:
-    """The crab angle in the frame turned by n quarter turns, within ±π."""
-    rest = crab_angle - n * QUARTER
-    if -math.pi < rest <= math.pi:
-        return rest
-    return math.remainder(rest, 2 * math.pi)
-
-
-def _half_width(critical: float, n: int) -> float:
-    return QUARTER - critical if n % 2 else critical
+    c, s = quarter_turned(*direction(yaw), nominal.quarter_turns)
+    feet = []
+    for leg in nominal.body_leg:
+        px, py, _ = stance.feet[leg]
+        dx = px - x
+        dy = py - y
+        feet.append((c * dx + s * dy, c * dy - s * dx))
+    last = (stance.last_swing - nominal.quarter_turns) % 4 if stance.last_swing >= 0 else -1
+    return Posture(nominal, x, y, c, s, tuple(feet), last)
 
 
 # the gait on a line and on an arc
@@ -232,7 +185,7 @@ def _on_line(
 ) -> NominalGait:
     n = quarter_turns(machine, crab_angle, previous)
     asked = folded(crab_angle, n)
-    widest = _half_width(critical_angle(machine), n) - TIE
+    widest = half_width(machine, n) - TIE
     alpha = min(max(asked, -widest), widest)
     boxes = planning_boxes(machine, n, stretched)
     x1, x2, y1, y2 = boxes[0]
@@ -269,7 +222,7 @@ def _described(
     order: LegOrder,
 ) -> NominalGait:
     """The description of a walk whose strokes and order are known."""
-    centres, ends, spares, stride = strokes
+    centres, ends, _, stride = strokes
     landed = order.landed
     lags = tuple(
         ((landed[u] - landed[order.predecessor[u]]) % 1.0) / duty_factor * stride for u in range(4)
@@ -289,10 +242,7 @@ def _described(
         duty_factor=duty_factor,
         boxes=boxes[0],
         far_boxes=boxes[1],
-        centres=centres,
-        ends=ends,
-        spares=spares,
-        stride=stride,
+        **strokes._asdict(),
         order=order,
         lags=lags,
         layouts=layouts,

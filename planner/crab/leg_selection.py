@@ -9,14 +9,13 @@ leg on any path: what the searches of ``candidates`` and ``turning`` go by.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from itertools import chain
 
-from ..geometry.paths import ArcPath
 from ..geometry.polygons import Polygon, convex_hull
 from ..geometry.transforms import direction
 from ..motion.leg_order import OTHERS, SUCCESSOR
-from ..stability import stable_interval, stable_on_arc, support_polygon
+from ..stability import stable_interval, stable_on, support_polygon
 from ..terrain.cells import FootholdMap
 from .decision_log import DecisionLog, StepRefusal, note_cell, note_leg, note_reason
 from .foothold_search import domain_of, landings
@@ -42,14 +41,14 @@ def after(posture: Posture, step: SwingStep) -> Posture:
     """The posture at N_{k+1}: the cheap roll-out of one step."""
     dx, dy, turn = posture.nominal.path.pose(step.g)
     x, y = posture.absolute(dx, dy)
+    c, s = posture.c, posture.s
     feet = [(fx - dx, fy - dy) for fx, fy in posture.feet]
     feet[step.leg] = step.landing.x - dx, step.landing.y - dy
-    if turn == 0.0:
-        return Posture(posture.nominal, x, y, posture.c, posture.s, tuple(feet), step.leg)
-    c, s = direction(turn)
-    feet = [(c * fx + s * fy, c * fy - s * fx) for fx, fy in feet]
-    heading = posture.c * c - posture.s * s, posture.s * c + posture.c * s
-    return Posture(posture.nominal, x, y, *heading, tuple(feet), step.leg)
+    if turn != 0.0:
+        ct, st = direction(turn)
+        feet = [(ct * fx + st * fy, ct * fy - st * fx) for fx, fy in feet]
+        c, s = c * ct - s * st, s * ct + c * st
+    return Posture(posture.nominal, x, y, c, s, tuple(feet), step.leg)
 
 
 def shifted(posture: Posture, shift: BodyShift) -> Posture:
@@ -57,14 +56,6 @@ def shifted(posture: Posture, shift: BodyShift) -> Posture:
     x, y = posture.absolute(shift.x, shift.y)
     feet = tuple((fx - shift.x, fy - shift.y) for fx, fy in posture.feet)
     return Posture(posture.nominal, x, y, posture.c, posture.s, feet, posture.last)
-
-
-def stable_on(path: ArcPath, polygon: Polygon, inset: float = 0.0) -> tuple[float, float]:
-    """The s over which the CoG is inside a polygon along the path, by ``inset`` from every edge."""
-    ux, uy, turn = path
-    if turn == 0.0 and inset == 0.0:
-        return stable_interval(polygon, 0.0, 0.0, ux, uy)
-    return stable_on_arc(polygon, ux, uy, turn, inset)
 
 
 def triangle_of(posture: Posture, leg: int) -> Polygon:
@@ -148,9 +139,7 @@ def leg_order(posture: Posture) -> list[LegShift]:
 
 
 def agreeing_pairs(posture: Posture, leg: int) -> int:
-    """How many of the two pairs that stay stand to each other as in the layout in which ``leg``
-    swings next.
-    """
+    """How many of the two pairs that stay stand as in the layout in which ``leg`` swings next."""
     near = AGREEMENT * posture.nominal.stride
     feet = posture.feet
     count = 0
@@ -170,9 +159,7 @@ def return_length(posture: Posture, leg: int) -> float:
 
 
 def planned_margin(posture: Posture, shift: Shift) -> float:
-    """Least longitudinal margin of the whole step against the feet that carry in each phase (H
-    §2.4).
-    """
+    """Least longitudinal margin of a step against the feet that carry in each phase (H §2.4)."""
     margin = min(shift.g0 - shift.low, shift.high - shift.g)
     if shift.g0 > 0.0:
         low, high = stable_on(posture.nominal.path, support_polygon(posture.feet))
@@ -202,7 +189,9 @@ def decide(
     ``accepts`` may refuse a foothold for reasons that are not of the plane (height). ``log``
     collects what was tried.
     """
-    for leg, shift in chain(leg_order(posture), _once_more(posture)):
+    # at last the leg that swung last: what H reaches by a step of another that changes nothing
+    again = ((leg, shift_of(posture, leg)) for leg in (posture.last,) if leg >= 0)
+    for leg, shift in chain(leg_order(posture), again):
         trial = None if log is None else _noted(log, posture, leg, shift)
         if isinstance(shift, StepRefusal):
             continue
@@ -214,14 +203,6 @@ def decide(
         else:
             return step
     return None
-
-
-def _once_more(posture: Posture) -> Iterator[LegShift]:
-    """The leg that swung last, for when no other helps: what H reaches by a step of another leg
-    that changes nothing.
-    """
-    if posture.last >= 0:
-        yield posture.last, shift_of(posture, posture.last)
 
 
 def _noted(
@@ -250,31 +231,18 @@ def steps_to(
     """Every step of one leg with one shift, to its footholds in the order of H §5.5, those of D_u
     with method II first; the first one is the paper's, others are a lookahead's.
     """
+    leg, g0, g = shift[:3]
     margin = planned_margin(posture, shift)
-    for convergent in (True,) if IS_FRONT[shift.leg] else (True, False):
-        domain = domain_of(posture, shift.leg, shift.g, convergent)
-        steps = (
-            SwingStep(shift.leg, shift.g0, shift.g, start, landing, margin, convergent)
-            for start, landing in landings(posture, domain, cells, trial)
-        )
-        yield from steps if accepts is None else allowed(steps, shift, accepts, trial)
-
-
-def allowed(
-    steps: Iterable[SwingStep],
-    shift: Shift,
-    accepts: Accepts,
-    trial: DecisionLog | None = None,
-) -> Iterator[SwingStep]:
-    """The steps with one shift whose footholds heights allow."""
-    for step in steps:
-        refusal = accepts(shift, step.landing)
-        if refusal is None:
-            yield step
-        elif trial is not None:
-            note_cell(trial, step.landing.ax, step.landing.ay, refusal)
-        elif refusal is STANDING_LEG:
-            return
+    for convergent in (True,) if IS_FRONT[leg] else (True, False):
+        domain = domain_of(posture, leg, g, convergent)
+        for start, landing in landings(posture, domain, cells, trial):
+            refusal = accepts(shift, landing) if accepts is not None else None
+            if refusal is None:
+                yield SwingStep(leg, g0, g, start, landing, margin, convergent)
+            elif trial is not None:
+                note_cell(trial, landing.ax, landing.ay, refusal)
+            elif refusal is STANDING_LEG:
+                return
 
 
 def changes_nothing(posture: Posture, step: Shift | SwingStep, landing: Landing) -> bool:

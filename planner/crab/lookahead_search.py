@@ -90,9 +90,7 @@ def choose(context: SearchContext, paper: SwingStep | None) -> ResultJob:
 
 
 def best_of(context: SearchContext) -> ResultJob:
-    """The ways on from here over broken ground: near the paper's, and where those do not get on,
-    any.
-    """
+    """The ways on over broken ground: near the paper's, and where those do not get on, any."""
     standard = standard_way(context.nominal)
     near = _result("near", (yield from look_near(context)), DEPTH)
     if not near.finished or near.pace >= GETS_ON * standard:
@@ -108,24 +106,21 @@ def best_of(context: SearchContext) -> ResultJob:
 
 def _result(search: str, found: Ways, horizon: int) -> SearchResult:
     """A search's result; one cut short is measured by the steps it came to."""
-    if found.finished:
-        return SearchResult(search, found.ways, horizon)
-    return SearchResult(search, found.ways, found.ways[0].steps, False)
+    steps = horizon if found.finished else found.ways[0].steps
+    return SearchResult(search, found.ways, steps, found.finished)
 
 
 # the searches
 
 
 def _back_to_standard(context: SearchContext) -> StepSearch:
-    """Open ground: whatever first step the paper's own policy walks on from best, margins counted
-    dear.
-    """
+    """Open ground: the first step the paper's policy walks on from best, margins counted dear."""
     start = context.start
     s0 = context.nominal.margin
     gain = gain_with(context, OPEN_MARGIN_WEIGHT)
     near = near_steps(context, start, (s0, min(SMALL, s0)), 3)
     first = _options(context, start, chain(near, any_steps(context, start)), gain)
-    return (yield from rollouts(_each_first(first), policy_with(context, gain), BACK_STEPS))
+    return (yield from rollouts(first, policy_with(context, gain), BACK_STEPS))
 
 
 def look_near(context: SearchContext) -> StepSearch:
@@ -151,15 +146,14 @@ def look_wide(context: SearchContext) -> StepSearch:
     gain = gain_with(context, MARGIN_WEIGHT)
     policy = policy_with(context, gain)
     options = _options(context, start, any_steps(context, start), gain, GLANCE_WEIGHT)
-    glanced: Ways = yield from rollouts(_each_first(options), policy, GLANCE)
+    glanced: Ways = yield from rollouts(options, policy, GLANCE)
     found: Branches = []
     finished = glanced.finished
     for branch in glanced.ways[:KEPT] if finished else ():
         first = branch.first
         reached = context.after(start, first)
         options = _options(context, reached, any_steps(context, reached, short=False), gain)
-        second = ((option, first) for option in options)
-        looked: Ways = yield from rollouts(second, policy, LOOK, gain(first), 1)
+        looked: Ways = yield from rollouts(options, policy, LOOK, (first, gain(first)))
         found += looked.ways
         finished = looked.finished
         if not finished:
@@ -168,9 +162,7 @@ def look_wide(context: SearchContext) -> StepSearch:
 
 
 def any_steps(context: SearchContext, node: Node, short: bool = True) -> Iterator[Candidate]:
-    """Any foothold in reach and the four-leg shifts, found one by one: all at once is too much for
-    a tick.
-    """
+    """Any foothold in reach and the four-leg shifts, one by one: all at once is a long slice."""
     yield from wide_steps(context, node, short)
     yield from body_shifts(node.posture)
 
@@ -190,12 +182,6 @@ def _options(
             reached = context.after(node, candidate)
             heuristic = weight * value_of(reached.posture) if weight else 0.0
             yield Option(candidate, reached, gain(candidate), heuristic)
-
-
-def _each_first(
-    options: Iterable[Option[Node, Candidate]],
-) -> Iterator[tuple[Option[Node, Candidate], Candidate]]:
-    return ((option, option.candidate) for option in options)
 
 
 def gain_with(context: SearchContext, weight: float) -> Gain:
@@ -233,9 +219,7 @@ def _will_do(context: SearchContext, paper: SwingStep, open_ahead: bool) -> bool
 
 
 def stays_standard(context: SearchContext, paper: SwingStep) -> bool:
-    """The paper's policy keeps the nominal walk for the whole horizon, whatever cells are
-    prohibited.
-    """
+    """The paper's policy keeps the nominal walk for the whole horizon, past prohibited cells."""
     node = context.start
     step: SwingStep | None = paper
     for _ in range(BACK_STEPS):
@@ -256,7 +240,7 @@ def is_standard_step(posture: Posture, step: SwingStep) -> bool:
         (posture.last < 0 or step.leg == SUCCESSOR[posture.last])
         and abs(landing.x - x) <= NEAR
         and abs(landing.y - y) <= NEAR
-        and step.g >= nominal.shift_of(step.leg) - AGREEMENT * nominal.stride
+        and step.g >= nominal.lags[step.leg] - AGREEMENT * nominal.stride
         and step.margin >= nominal.margin - LOWER
         and _in_layout(posture, step.leg)
     )

@@ -52,9 +52,8 @@ class CrabPlanner(Planner):
         self._gait = setup.gait
         self._job = _JOBS[setup.mode]
         self._explain = setup.explain
-        self._local: LocalPlanner | None = None
-        if setup.detours and capabilities.takes_detours:
-            self._local = LocalPlanner(setup.cautious, stretches=capabilities.fits_slopes)
+        detours = setup.detours and capabilities.takes_detours
+        self._local = LocalPlanner(setup.cautious, capabilities.fits_slopes, detours)
         self._slopes: SlopeAdaptation | None = None
         self._plan = self._planner_for(setup.machine)
         if capabilities.fits_slopes:
@@ -69,7 +68,7 @@ class CrabPlanner(Planner):
             request = StepRequest(stance, command, terrain, machine, self._gait, self._explain)
             return self._job(request)
 
-        return steps if self._local is None else partial(self._local.plan, steps, machine)
+        return partial(self._local.plan, steps, machine)
 
     @property
     def capabilities(self) -> Capabilities:
@@ -77,8 +76,8 @@ class CrabPlanner(Planner):
 
     @property
     def route(self) -> RouteState:
-        """What Level B1 remembers; as at the beginning when there is none."""
-        return RouteState() if self._local is None else self._local.route
+        """What Level B1 remembers."""
+        return self._local.route
 
     def plan(self, stance: Stance, command: Command, terrain: TerrainMap) -> PlanningJob:
         answer = yield from self._plan(stance, command, terrain)
@@ -88,7 +87,7 @@ class CrabPlanner(Planner):
         return swayed(answer, stance, ahead, self._gait, self._machine)
 
     def heed(self, command: Command) -> Command:
-        return command if self._local is None else self._local.heed(command)
+        return self._local.heed(command)
 
     def off_standard(self, plan: StepPlan) -> float | None:
         if plan.end.last_swing < 0:

@@ -10,13 +10,13 @@ from ..geometry.transforms import direction
 from ..motion.step_builder import changed
 from ..protocols import PlanningJob
 from ..search import uninterruptible
-from ..types import Blocked, Reason, StepPlan
+from ..types import StepPlan
 from .candidates import ON_THE_SPOT, SearchContext, entry_of
 from .decision_log import DecisionLog, note_search
 from .lookahead_search import GETS_ON, STUCK, Branches, SearchResult, choose, standard_way
 from .recovery import blocked, by_stretching, is_strained, way_out
-from .step_plans import body_shift_plan, swing_plan
-from .steps import BodyShift, Candidate, StepRequest
+from .step_plans import plan_of
+from .steps import StepRequest
 from .turning import turn_job, turns
 
 LEFT = 0.03  # m; without a way out it still goes on by as much as this
@@ -56,38 +56,32 @@ def _answer(
     recovery = None
     if strained and result.pace < GETS_ON * standard:  # a crossing begun is gone on with
         recovery = yield from uninterruptible(by_stretching(context, result.pace))
+    plan = None
     if recovery is None and (result.pace >= STUCK * standard or not result.finished):
-        answer = first_that_passes(context, result.ways, log)
-        if isinstance(answer, StepPlan):
-            return answer
-    if recovery is None:
-        recovery = yield from uninterruptible(way_out(context))
-    if recovery is not None:
+        plan = first_that_passes(context, result.ways, log)
+    if plan is None:
+        recovery = recovery or (yield from uninterruptible(way_out(context)))
+    if plan is None and recovery is not None:
         if log is not None:
             log["escape"] = recovery.kind
-        answer = first_that_passes(recovery.context, recovery.ways, log)
-        if isinstance(answer, StepPlan):
-            return answer
-    if result.ways and result.ways[0].gain >= LEFT:
-        answer = first_that_passes(context, result.ways, log)
-        if isinstance(answer, StepPlan):
-            return answer
-    return blocked(context, result.ways, log)
+        plan = first_that_passes(recovery.context, recovery.ways, log)
+    if plan is None and result.ways and result.ways[0].gain >= LEFT:
+        plan = first_that_passes(context, result.ways, log)
+    return plan or blocked(context, result.ways, log)
 
 
 def first_that_passes(
     context: SearchContext, ways: Branches, log: DecisionLog | None
-) -> StepPlan | Blocked:
-    """The best way whose first step lets the torso pass over the ground as well."""
-    answer: StepPlan | Blocked = Blocked(Reason.NO_STEP_PASSES)
+) -> StepPlan | None:
+    """The best way whose first step lets the torso pass over the ground as well; None without."""
+    request = context.request
     for way in ways[:FINISHED_MAX]:
-        answer = finished(context, way.first, log)
-        if isinstance(answer, StepPlan):
-            if _way(context.request, answer) >= ON_THE_SPOT:
-                return answer
-            still = context.request.stance.still + 1
-            return changed(answer, end=replace(answer.end, still=still))
-    return answer
+        plan = plan_of(context.here, way.first, request.command.speed, log)
+        if isinstance(plan, StepPlan):
+            if _way(request, plan) >= ON_THE_SPOT:
+                return plan
+            return changed(plan, end=replace(plan.end, still=request.stance.still + 1))
+    return None
 
 
 def _way(request: StepRequest, plan: StepPlan) -> float:
@@ -95,13 +89,3 @@ def _way(request: StepRequest, plan: StepPlan) -> float:
     x, y, _, yaw = request.stance.body
     c, s = direction(yaw + request.command.crab_angle)
     return (plan.end.body[0] - x) * c + (plan.end.body[1] - y) * s
-
-
-def finished(
-    context: SearchContext, candidate: Candidate, log: DecisionLog | None
-) -> StepPlan | Blocked:
-    """A candidate with its heights and times."""
-    speed = context.request.command.speed
-    if isinstance(candidate, BodyShift):
-        return body_shift_plan(context.here, candidate, speed, log)
-    return swing_plan(context.here, candidate, speed, log)

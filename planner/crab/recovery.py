@@ -15,12 +15,10 @@ from dataclasses import replace
 from itertools import islice
 from typing import NamedTuple
 
-from ..motion.step_builder import with_feet
-from ..types import Blocked, Reason, Stance
-from .candidates import Node, SearchContext, near_steps
+from ..types import Blocked, Reason
+from .candidates import SearchContext, near_steps
 from .decision_log import DecisionLog, reasons_of, refused_cells
 from .lookahead_search import DEPTH, Branches, best_of, is_open, look_near, standard_way
-from .steps import SwingStep
 
 # degrees against the commanded course, in the order they are tried
 CONE = (15.0, -15.0, 30.0, -30.0)
@@ -85,22 +83,13 @@ def _by_a_step_back(context: SearchContext) -> RecoveryJob:
     behind = SearchContext(request, course + math.pi)
     need = WORTH * (DEPTH + 1) * standard_way(context.nominal)
     for step in islice(near_steps(behind, behind.start, (behind.nominal.margin,), 2), BACK_MAX):
-        there = stance_at(behind, behind.after(behind.start, step), step)
+        node = behind.after(behind.start, step)
+        z = request.stance.body[2]  # on level ground, where nodes carry no stance
+        there = node.stance or behind.here.stance_after(node.posture, step, z)
         found = yield from look_near(SearchContext(request._replace(stance=there), course))
         if found.ways and found.ways[0].gain - step.g >= need:
             return Recovery("back", behind, [replace(found.ways[0], first=step)])
     return None
-
-
-def stance_at(context: SearchContext, node: Node, step: SwingStep) -> Stance:
-    """The stance after one step, on level ground too, where nodes do not carry it."""
-    if node.stance is not None:
-        return node.stance
-    stance, nominal = context.request.stance, context.nominal
-    leg = nominal.body_leg[step.leg]
-    feet = with_feet(stance.feet, {leg: context.here.foot_at(step.landing)})
-    body = node.posture.x, node.posture.y, *stance.body[2:]
-    return Stance(body, feet, leg, nominal.quarter_turns)
 
 
 def blocked(context: SearchContext, ways: Branches, log: DecisionLog | None) -> Blocked:

@@ -29,7 +29,7 @@ from ..motion.tilted_reach import whole_reach
 from ..protocols import BodyAttitude, PlanFunction, PlanningJob
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
-from ..terrain.slope import slope_at, slope_under
+from ..terrain.slope import slope_under
 from ..types import Array, Command, Gait, Stance, StepPlan
 from .gait import nominal_gait
 
@@ -56,7 +56,7 @@ class SlopeAdaptation:
         attitude: BodyAttitude = "level",
     ) -> None:
         self.machine = machine
-        self._walker = SlopeWalker(machine, gait, nominal_layouts)
+        self._walker = walker_on_slopes(machine, gait)
         self.attitude = attitude
         self._planner_for = planner_for
         self._shears = FrameCache()
@@ -139,25 +139,12 @@ def on_edge(plan: StepPlan) -> bool:
     return plan.margin_min < min(SURE, plan.standard_margin)
 
 
-def fitted_at_start(
-    machine: Machine,
-    gait: Gait,
-    crab_angle: float,
-    pose: tuple[float, float, float],
-    height_at: Callable[[float, float], float],
-) -> Machine:
-    """The machine whose standard posture fits the ground it is to be set down on, level; itself
-    where nothing fits.
-    """
-    gx, gy = slope_at(machine, pose, height_at)
-    slope = rounded(gx, SLOPE_GRAIN), rounded(gy, SLOPE_GRAIN)
-    walker = SlopeWalker(machine, gait, nominal_layouts)
-    return fitted(walker, pose[2], slope, (LEVEL, LEVEL), crab_angle) or machine
+def walker_on_slopes(machine: Machine, gait: Gait) -> SlopeWalker:
+    """The machine with its standard walk."""
+    return SlopeWalker(machine, gait, nominal_layouts)
 
 
 def nominal_layouts(machine: Machine, gait: Gait, crab_angle: float) -> Array:
-    """[u][i]: how far leg i stands ahead of its C_i when u has just landed, in strides; legs of the
-    gait frame.
-    """
+    """[u][i]: how far leg i stands ahead of C_i when u has just landed, in strides; gait frame."""
     nominal = nominal_gait(machine, gait, crab_angle)
     return np.array(nominal.layouts) / nominal.stride

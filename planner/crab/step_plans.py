@@ -10,20 +10,20 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from functools import lru_cache
 
-from ..geometry.paths import ArcPath, Box, arc_exit
+from ..geometry.paths import Box, arc_exit
 from ..geometry.transforms import XY, turned_back
+from ..motion.quarter_turns import quarter_turned
 from ..motion.step_builder import plan_of_one_foot, plan_on_all_feet
 from ..motion.strides import STRETCHED_LIFT_ROOM
-from ..motion.swing import SwingCorners, lift, profile_of, swing_speeds
+from ..motion.swing import SwingCorners, lift, profile_of
 from ..motion.timing import (
     BodyWay,
     SwingDemand,
     Timing,
+    cruise_limit,
     knots,
     return_limit_on,
-    speed_limit,
     timing,
 )
 from ..robot.model import Machine
@@ -31,8 +31,8 @@ from ..types import Blocked, Gait, Point, Reason, Stance, StepPlan
 from .decision_log import DecisionLog
 from .foothold_checks import FootholdChecks
 from .foothold_search import corners_of, domain_of
-from .gait import EARLY, NominalGait, Posture, nominal_gait, quarter_turned
-from .steps import BodyShift, SwingStep
+from .gait import EARLY, NominalGait, Posture, nominal_gait
+from .steps import BodyShift, Candidate, SwingStep
 
 
 def swing_plan(
@@ -48,6 +48,15 @@ def swing_plan(
         facts = {"needs": needs, "reach": limits[1]}
         return Blocked(Reason.TORSO_TOUCHES, None, log, facts)
     return build(checks, step, max(height, needs), speed, log)
+
+
+def plan_of(
+    checks: FootholdChecks, candidate: Candidate, speed: float, log: DecisionLog | None = None
+) -> StepPlan | Blocked:
+    """A candidate with its heights and times."""
+    if isinstance(candidate, BodyShift):
+        return body_shift_plan(checks, candidate, speed, log)
+    return swing_plan(checks, candidate, speed, log)
 
 
 def build(
@@ -187,13 +196,8 @@ def _room(nominal: NominalGait, posture: Posture, step: SwingStep) -> tuple[floa
     if path.turn == 0.0:
         return max(behind, STRETCHED_LIFT_ROOM), max(beyond, STRETCHED_LIFT_ROOM)
     # a foot that touches early, at mid-descent, is no farther than that beyond its place
-    drift = max(*map(abs, _rate(path, x, y)), 1e-9)
+    drift = max(*map(abs, path.rate(x, y)), 1e-9)
     return max(behind, EARLY / 2), min(max(beyond, EARLY / 2), 2 * EARLY / drift)
-
-
-def _rate(path: ArcPath, x: float, y: float) -> XY:
-    """How the body goes past a standing foot at (x, y), per metre of s."""
-    return path.ux - path.turn * y, path.uy + path.turn * x
 
 
 def _courses(nominal: NominalGait, places: Iterable[XY]) -> tuple[XY, ...]:
@@ -203,7 +207,7 @@ def _courses(nominal: NominalGait, places: Iterable[XY]) -> tuple[XY, ...]:
     path = nominal.path
     if path.turn == 0.0:
         return (quarter_turned(path.ux, path.uy, nominal.quarter_turns),)
-    return tuple(_rate(path, x, y) for x, y in places)
+    return tuple(path.rate(x, y) for x, y in places)
 
 
 def _corners(boxes: Iterable[Box]) -> Iterator[XY]:
@@ -221,21 +225,7 @@ def cruise_speed(machine: Machine, gait: Gait, crab_angle: float) -> float:
 def cruise_on(machine: Machine, gait: Gait, nominal: NominalGait) -> float:
     """v_max of the nominal front step on level ground, m/s: past the slowest C_i on an arc."""
     courses = _courses(nominal, nominal.centres)
-    return _cruise(machine, gait, nominal.duty_factor, nominal.stride, courses)
-
-
-@lru_cache(maxsize=512)
-def _cruise(
-    machine: Machine, gait: Gait, duty_factor: float, stride: float, courses: tuple[XY, ...]
-) -> float:
-    g = (1.0 - duty_factor) / duty_factor * stride
-    limits = swing_speeds(machine, gait)
-    way = stride + g
-    lifting = (gait.lift_up + gait.lift_down) / limits[2]
-    return min(
-        speed_limit((way * nx, way * ny, 0.0), (nx, ny, 0.0), limits, g, lifting)
-        for nx, ny in courses
-    )
+    return cruise_limit(machine, gait, nominal.duty_factor, nominal.stride, courses)
 
 
 def searched(posture: Posture, step: SwingStep) -> list[list[float]]:

@@ -51,9 +51,7 @@ class Shift(NamedTuple):
 
 
 class SwingStep(NamedTuple):
-    """One step of Level B2 and nothing else: who swings, how far, and where the foot goes. Gait
-    frame, E_k.
-    """
+    """One step of Level B2, in E_k: who swings, how far, and where the foot goes."""
 
     leg: int
     g0: float

@@ -17,16 +17,16 @@ from operator import itemgetter
 from typing import NamedTuple
 
 from ..geometry.paths import arc_exit, arc_of_command
-from ..geometry.polygons import inside_of, nearest_of
+from ..geometry.polygons import inside_of
 from ..geometry.transforms import XY, left_fold_sum
 from ..motion.step_builder import changed
 from ..protocols import PlanningJob
 from ..robot.model import Machine
 from ..search import Branch, Option, Search, beam, firsts, uninterruptible
-from ..stability import polygon_margin, support_polygon
+from ..stability import polygon_margin, stable_on, support_polygon
 from ..terrain.cells import FootholdMap, cells_around, foothold_map
 from ..types import Blocked, Command, Reason, StepPlan
-from .candidates import entry_of, shift_room
+from .candidates import entry_of, shift_room, shortest_shift
 from .decision_log import DecisionLog, StepRefusal, note_cell, note_leg, note_reason, note_search
 from .foothold_checks import FootholdChecks
 from .foothold_search import phase_point
@@ -35,14 +35,12 @@ from .leg_selection import (
     SLACK,
     STILL,
     after,
-    body_shift_to,
     changes_nothing,
     free_shift,
     shifted,
-    stable_on,
     triangle_of,
 )
-from .step_plans import body_shift_plan, swing_plan
+from .step_plans import plan_of
 from .steps import BodyShift, Candidate, Landing, Shift, StepRequest, SwingStep
 
 # rad per m of s; a path that bends less, one of a kilometre's radius, is walked straight
@@ -125,9 +123,7 @@ class TurnSearch:
             yield Option(candidate, reached, gain, self.heuristic(reached))
 
     def heuristic(self, node: TurnNode) -> float:
-        """Minus what the legs' exits lack of those in the nominal walk after the same leg has
-        landed, m.
-        """
+        """Minus what the exits lack of the nominal ones after the same leg has landed, m."""
         layouts = self.nominal.layouts
         last = node.posture.last
         ends = self.nominal.ends
@@ -164,15 +160,13 @@ class TurnSearch:
         stuck = []
         for leg in range(4):
             shift = self.shift_of(node, leg) if leg != last else None
-            if shift is not None:
-                for step in self.swings(node, shift, depth):
-                    found = True
-                    yield step
+            for step in self.swings(node, shift, depth):
+                found = True
+                yield step
             if shift is None or shift.g - shift.g0 < self.useful:
                 stuck.append(leg)
         if not found and last >= 0:
-            shift = self.shift_of(node, last)
-            for step in self.swings(node, shift, depth) if shift is not None else ():
+            for step in self.swings(node, self.shift_of(node, last), depth):
                 found = True
                 yield step
         may_shift = depth == 0 or depth < self.anywhere or len(stuck) == 4
@@ -199,10 +193,12 @@ class TurnSearch:
         low, high = stable_on(self.arc, support_polygon(node.posture.feet), -SLACK)
         return low <= 0.0 and high >= g0
 
-    def swings(self, node: TurnNode, shift: Shift, depth: int) -> Iterator[SwingStep]:
+    def swings(self, node: TurnNode, shift: Shift | None, depth: int) -> Iterator[SwingStep]:
         """Where the foot may come down: by phase, as far ahead as its stroke goes, and, when
         nothing else leads on, anywhere.
         """
+        if shift is None:
+            return
         leg, g = shift.leg, shift.g
         nominal = self.nominal
         end = nominal.ends[leg]
@@ -227,9 +223,7 @@ class TurnSearch:
     def foothold(
         self, node: TurnNode, shift: Shift, start: XY, wanted: float, first: bool
     ) -> Landing | None:
-        """I_u itself, or the best of the free cells nearest to it: near, and left no sooner than
-        ``wanted``.
-        """
+        """I_u itself, or the best free cell: near it, and left no sooner than ``wanted``."""
         around = node.posture.absolute(*start)
         exact = Landing(*start, *around)
         if self.cells.allows(*around) and self.fits(shift, exact, first) is not None:
@@ -267,21 +261,15 @@ class TurnSearch:
             triangle = triangle_of(node.posture, leg)
             if len(triangle) < 3:
                 continue
-            to = self._into(room, triangle, ahead_x, ahead_y)
-            if to is not None:
-                yield body_shift_to(node.posture, *to)
-
-    def _into(
-        self, room: list[XY], triangle: tuple[XY, ...], ahead_x: float, ahead_y: float
-    ) -> XY | None:
-        for inset in self.insets:
-            here = inside_of(room, triangle, inset)
-            for corners in (inside_of(here, triangle, inset, ahead_x, ahead_y), here):
-                if corners:
-                    to = nearest_of(corners, 0.0, 0.0)
-                    if math.hypot(*to) >= SHIFT_MIN:
-                        return to
-        return None
+            insets = ((inset, inside_of(room, triangle, inset)) for inset in self.insets)
+            regions = (
+                region
+                for inset, here in insets
+                for region in (inside_of(here, triangle, inset, ahead_x, ahead_y), here)
+            )
+            shift = shortest_shift(node.posture, regions, SHIFT_MIN)
+            if shift is not None:
+                yield shift
 
 
 # the step that is taken
@@ -336,12 +324,10 @@ def _planned(
     """The plan of the step that is taken, with how often in a row the body has not got on."""
     checks, stance = search.checks, search.checks.stance
     way = 0.0
-    if isinstance(first, BodyShift):
-        plan: StepPlan | Blocked = body_shift_plan(checks, first, pace, log)
-    else:
+    if isinstance(first, SwingStep):
         way = first.g
-        margin = least_margin(checks.posture, first)
-        plan = swing_plan(checks, first._replace(margin=margin), pace, log)
+        first = first._replace(margin=least_margin(checks.posture, first))
+    plan = plan_of(checks, first, pace, log)
     if isinstance(plan, Blocked):
         return plan
     still = 0 if way >= search.useful else stance.still + 1

@@ -59,6 +59,10 @@ class ArcPath(NamedTuple):
         c, d = math.cos(angle), math.sin(angle)
         return dx + c * x - d * y, dy + d * x + c * y
 
+    def rate(self, x: float, y: float) -> tuple[float, float]:
+        """How the body goes past a standing foot at (x, y), per metre of s."""
+        return self.ux - self.turn * y, self.uy + self.turn * x
+
     def reversed(self) -> ArcPath:
         """The way back along the same line or arc."""
         return ArcPath(-self.ux, -self.uy, -self.turn)

@@ -20,8 +20,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..geometry.paths import Box
-from ..geometry.transforms import direction
+from ..geometry.transforms import Pose, direction
 from ..robot.model import Machine
+from ..terrain.slope import slope_at
 from ..types import Array, Gait
 from .body_tilt import LEVEL, Lean, in_body, reaches, rounded
 from .strides import stroke_length
@@ -76,6 +77,20 @@ def fitted(
         return _fitted_turning(walker, rounded(rest, SLOPE_GRAIN), rounded(tilted, LEAN_GRAIN / 2))
     first, last = (_seen(lean, yaw) for lean in leans)
     return _fitted(walker, _seen(slope, yaw), (first, last), _whole_degrees(crab_angle))
+
+
+def fitted_at_start(
+    walker: SlopeWalker,
+    crab_angle: float,
+    pose: Pose,
+    height_at: Callable[[float, float], float],
+) -> Machine:
+    """The machine whose nominal walk fits the ground it is to be set down on, level; itself where
+    nothing fits.
+    """
+    gx, gy = slope_at(walker.machine, pose, height_at)
+    slope = rounded(gx, SLOPE_GRAIN), rounded(gy, SLOPE_GRAIN)
+    return fitted(walker, pose[2], slope, (LEVEL, LEVEL), crab_angle) or walker.machine
 
 
 def followed(walker: SlopeWalker, yaw: float, slope: Lean, crab_angle: float | None) -> float:

@@ -30,7 +30,7 @@ class Strokes(NamedTuple):
     centres: tuple[XY, ...]  # C_i
     ends: tuple[float, ...]  # from C_i to the end of the stroke
     spares: tuple[float, ...]  # from there to the end of the reach
-    length: float  # λ*
+    stride: float  # λ*
 
 
 def stroke_length(x_span: float, y_span: float, crab_angle: float) -> float:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import lru_cache
 from typing import NamedTuple
 
 from ..geometry.paths import ArcPath
@@ -355,3 +356,20 @@ def knots(
         phases += [phase] * len(rows)
     out[-1] = (t, way.end, swing.aim)
     return out, phases
+
+
+@lru_cache(maxsize=512)
+def cruise_limit(
+    machine: Machine, gait: Gait, duty_factor: float, stride: float, courses: tuple[XY, ...]
+) -> float:
+    """v_max of a nominal front step on level ground, m/s, where the body goes past standing feet by
+    the slowest of these ``courses`` per metre of its way.
+    """
+    g = (1.0 - duty_factor) / duty_factor * stride
+    limits = swing_speeds(machine, gait)
+    way = stride + g
+    lifting = (gait.lift_up + gait.lift_down) / limits[2]
+    return min(
+        speed_limit((way * nx, way * ny, 0.0), (nx, ny, 0.0), limits, g, lifting)
+        for nx, ny in courses
+    )

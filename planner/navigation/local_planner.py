@@ -92,10 +92,13 @@ class LocalPlanner:
     own, and for another where there is none.
 
     ``cautious``: it slows down before unknown ground. ``stretches``: the walker can stretch its
-    legs beyond their control reach.
+    legs beyond their control reach. Without ``detours`` the command is walked as it comes.
     """
 
-    def __init__(self, cautious: bool = False, stretches: bool = False) -> None:
+    def __init__(
+        self, cautious: bool = False, stretches: bool = False, detours: bool = True
+    ) -> None:
+        self.detours = detours
         self.cautious = cautious
         self.stretches = stretches
         self.route = RouteState()
@@ -122,6 +125,8 @@ class LocalPlanner:
         terrain: TerrainMap,
     ) -> PlanningJob:
         """The step on the best course that has one; else the answer for the first course."""
+        if not self.detours:
+            return (yield from steps(stance, command, terrain))
         if self._commanded is not None:
             command = replace(command, speed=self._commanded.speed)
         refused: list[float] = []

@@ -61,17 +61,16 @@ def test_a_beam_that_is_wanted_now_answers_with_what_it_has():
 
 def test_rollouts_follow_the_policy_and_count_what_came_before():
     policy = lambda place: None if place + 1 in HOLES else (place + 1, 1.0)  # noqa: E731
-    choices = ((option, option.candidate) for option in options(0, 0))
-    found, pauses = finish(rollouts(choices, policy, 4, gained=10.0, before=1))
+    found, pauses = finish(rollouts(options(0, 0), policy, 4))
     assert pauses == 2
     by_first = {way.first: (way.node, way.gain, way.steps) for way in found.ways}
-    assert by_first == {1: (2, 12.0, 3), 2: (2, 12.0, 2)}
+    assert by_first == {1: (2, 2.0, 2), 2: (2, 2.0, 1)}
+    found, _ = finish(rollouts(options(0, 0), policy, 4, begun=(9, 10.0)))
+    assert {(way.first, way.gain, way.steps) for way in found.ways} == {(9, 12.0, 3), (9, 12.0, 2)}
 
 
 def test_rollouts_that_are_wanted_now_have_looked_at_one_option_at_least():
-    found, pauses = finish(
-        rollouts(((o, o.candidate) for o in islice(options(0, 0), 2)), lambda place: None, 4), True
-    )
+    found, pauses = finish(rollouts(islice(options(0, 0), 2), lambda place: None, 4), True)
     assert pauses == 1 and not found.finished and len(found.ways) == 1
 
 

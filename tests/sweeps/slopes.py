@@ -12,8 +12,8 @@ import math
 from dataclasses import dataclass
 
 from walking_console.planner.crab.gait import nominal_gait, stroke_length
-from walking_console.planner.crab.slope_adaptation import nominal_layouts
-from walking_console.planner.motion.slope_strides import SlopeWalker, fitted, followed
+from walking_console.planner.crab.slope_adaptation import walker_on_slopes
+from walking_console.planner.motion.slope_strides import fitted, followed
 from walking_console.planner.protocols import ATTITUDES
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.types import Command, Gait
@@ -25,7 +25,7 @@ from walking_console.sim.world import prepare
 
 TITAN = load_machine("titan3")
 GAIT = Gait(TITAN.duty_factor, TITAN.lift_up, TITAN.lift_down, TITAN.height)
-WALKER = SlopeWalker(TITAN, GAIT, nominal_layouts)
+WALKER = walker_on_slopes(TITAN, GAIT)
 SLOPES = (5, 10, 15, 20, 25)  # degrees
 SHARES = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)  # of the slope
 SPEED = 0.08  # m/s

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from walking_console.planner.crab.gait import quarter_turns
+from walking_console.planner.motion.quarter_turns import quarter_turns
 from walking_console.planner.robot.model import load_machine
 
 from .telling import assert_always_true, walked

@@ -8,18 +8,15 @@ import pytest
 
 from tests.planner.crab.crab_walks import TITAN, Blocked, command, gait, walk
 from walking_console.planner.crab.gait import (
-    HYSTERESIS,
     TIE,
-    folded,
     nominal_gait,
     nominal_gait_on,
     posture_of,
-    quarter_turned,
-    quarter_turns,
     standard_stance,
 )
 from walking_console.planner.crab.leg_selection import return_length
 from walking_console.planner.geometry.paths import ArcPath
+from walking_console.planner.motion.quarter_turns import quarter_turned
 from walking_console.planner.motion.strides import LIFT_ROOM, critical_angle
 from walking_console.planner.stability import stable_interval, support_polygon
 
@@ -55,30 +52,6 @@ def test_legs_swing_in_the_order_of_figure_6(degrees, sequence):
     assert sequence in legs
 
 
-@pytest.mark.parametrize(
-    ("degrees", "n", "rest"),
-    [
-        (0, 0, 0),
-        (46, 0, 46),
-        (-46, 0, -46),
-        (47, 1, -43),
-        (90, 1, 0),
-        (133, 1, 43),
-        (134, 2, -46),
-        (180, 2, 0),
-        (-180, 2, 0),
-        (226, 2, 46),
-        (227, 3, -43),
-        (270, 3, 0),
-        (-90, 3, 0),
-        (-47, 3, 43),
-    ],
-)
-def test_table_1_folds_every_crab_angle(degrees, n, rest):
-    assert quarter_turns(TITAN, math.radians(degrees)) == n
-    assert math.degrees(folded(math.radians(degrees), n)) == pytest.approx(rest, abs=1e-9)
-
-
 def test_every_angle_folds_within_the_critical_angle_of_the_turned_machine():
     critical = critical_angle(TITAN)
     for tenth in range(-1800, 1801):
@@ -93,18 +66,6 @@ def test_an_odd_turn_swaps_the_reach_and_relabels_the_legs():
     nominal = nominal_gait(TITAN, gait(), math.pi / 2)
     assert nominal.boxes[0] == (0.30, 0.65, 0.20, 0.70)
     assert nominal.body_leg == (1, 2, 3, 0)
-
-
-def test_a_stick_trembling_on_the_boundary_does_not_turn_the_gait_over():
-    critical = critical_angle(TITAN)
-    n = quarter_turns(TITAN, critical - 0.01)
-    for tremble in (0.0, 0.5, -0.5, 0.99, -0.99):
-        n = quarter_turns(TITAN, critical + tremble * HYSTERESIS, n)
-        assert n == 0
-    n = quarter_turns(TITAN, critical + 1.01 * HYSTERESIS, n)
-    assert n == 1
-    assert quarter_turns(TITAN, critical - 0.99 * HYSTERESIS, n) == 1
-    assert quarter_turns(TITAN, critical - 1.01 * HYSTERESIS, n) == 0
 
 
 @pytest.mark.parametrize("duty_factor", [0.75, 0.8, 0.9])

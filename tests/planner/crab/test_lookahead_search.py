@@ -117,4 +117,4 @@ def test_a_step_gains_its_way_less_what_its_margin_lacks():
 
 def test_the_standard_way_is_the_advance_of_a_cycle_over_four_steps():
     nominal = context(standing()).nominal
-    assert standard_way(nominal) == pytest.approx(sum(map(nominal.shift_of, range(4))) / 4)
+    assert standard_way(nominal) == pytest.approx(sum(nominal.lags) / 4)

@@ -8,10 +8,10 @@ import pytest
 
 from walking_console.planner import registry
 from walking_console.planner.crab.gait import standard_stance
-from walking_console.planner.crab.slope_adaptation import SlopeAdaptation, fitted_at_start
+from walking_console.planner.crab.slope_adaptation import SlopeAdaptation, walker_on_slopes
 from walking_console.planner.initial_stance import Placement
 from walking_console.planner.motion.body_tilt import LEAN_STEP, LEVEL
-from walking_console.planner.motion.slope_strides import LEAN_GRAIN
+from walking_console.planner.motion.slope_strides import LEAN_GRAIN, fitted_at_start
 from walking_console.planner.protocols import Planner, PlannerError, PlannerSetup, run_to_completion
 from walking_console.planner.robot.model import Machine, load_machine
 from walking_console.planner.terrain.map import TerrainMap
@@ -51,7 +51,8 @@ def test_the_start_posture_of_the_printed_modes_stays_as_it_was() -> None:
     fits = registry.initial_stance("crab", "predictive", TITAN, GAIT, place)
     assert printed == start(terrain)
     assert max(f[0] for f in fits.feet) < max(f[0] for f in printed.feet)
-    assert fitted_at_start(TITAN, GAIT, 0.0, pose, lambda x, y: 0.0) is TITAN
+    level = fitted_at_start(walker_on_slopes(TITAN, GAIT), 0.0, pose, lambda x, y: 0.0)
+    assert level is TITAN
 
 
 def test_a_slope_that_hardly_changes_keeps_the_strides() -> None:

@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 
 from walking_console.planner.crab.gait import nominal_gait
-from walking_console.planner.crab.slope_adaptation import nominal_layouts
+from walking_console.planner.crab.slope_adaptation import walker_on_slopes
 from walking_console.planner.motion.body_tilt import LEVEL
 from walking_console.planner.motion.slope_strides import (
     SHARE,
     SLACK,
-    SlopeWalker,
     fitted,
     followed,
 )
@@ -23,7 +22,7 @@ from walking_console.planner.types import Gait
 
 TITAN = load_machine("titan3")
 GAIT = Gait(TITAN.duty_factor, TITAN.lift_up, TITAN.lift_down, TITAN.height)
-WALKER = SlopeWalker(TITAN, GAIT, nominal_layouts)
+WALKER = walker_on_slopes(TITAN, GAIT)
 LEVELS = (LEVEL, LEVEL)
 
 
@@ -88,7 +87,7 @@ def test_a_machine_a_fifth_as_large_takes_the_same_strides_a_fifth_as_long(
     small = replace(TITAN, legs=legs, overreach=(0.01, 0.01, 0.03))
     short = Gait(GAIT.duty_factor, GAIT.lift_up / 5, GAIT.lift_down / 5, GAIT.height / 5)
     one, other = (
-        fitted(SlopeWalker(machine, gait, nominal_layouts), 0.0, slope(25, 45), (lean, lean), 0.0)
+        fitted(walker_on_slopes(machine, gait), 0.0, slope(25, 45), (lean, lean), 0.0)
         for machine, gait in ((TITAN, GAIT), (small, short))
     )
     assert one is not None and other is not None and one is not TITAN

@@ -65,12 +65,12 @@ def test_every_foot_stays_in_its_reach_for_the_stroke_the_legs_share(turn):
     path = ArcPath(1.0, 0.0, turn)
     boxes = planning_boxes(TITAN, 0, stretched=False)
     strokes = strokes_on(boxes, path)
-    assert strokes.centres == centres_of(boxes) and 0.0 < strokes.length <= STROKE_MAX
+    assert strokes.centres == centres_of(boxes) and 0.0 < strokes.stride <= STROKE_MAX
     for centre, end, spare, box in zip(
         strokes.centres, strokes.ends, strokes.spares, boxes, strict=True
     ):
         assert end + spare == pytest.approx(arc_exit(*centre, box, path), abs=1e-9)
         back = arc_exit(*centre, box, path.reversed())
-        assert strokes.length - end <= back + 1e-9
+        assert strokes.stride - end <= back + 1e-9
     if turn == 0.0:
-        assert strokes.length == pytest.approx(stroke_length(0.5, 0.35, 0.0))
+        assert strokes.stride == pytest.approx(stroke_length(0.5, 0.35, 0.0))
