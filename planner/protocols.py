@@ -196,6 +196,16 @@ class Plant(Protocol[GroundT]):
         ...
 
     @property
+    def loads(self) -> Sequence[float]:
+        """Per leg, what the foot carries, N; () without sensors of load."""
+        ...
+
+    @property
+    def joints(self) -> Sequence[Point]:
+        """Per leg, its three joint coordinates, rad or m."""
+        ...
+
+    @property
     def tolerances(self) -> Tolerances:
         """How exactly it does what it is told: what the supervisor must not take for a surprise."""
         ...

@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from walking_console.planner.types import Command
+from walking_console.planner.types import TICK, Command
 from walking_console.sim.scenario import ModeName
 
 from .pacing import ADVANCE_MAX, RATE_MAX
@@ -23,6 +23,8 @@ TURN_RATE_MAX = 1.0  # rad/s
 CRAB_ANGLE_MAX = 3.1416  # rad: half a turn, rounded up so that a rounded pi is not refused
 TTL_MAX = 1.0  # s of held driving
 SEQUENCE_MAX = 2**53  # what JavaScript counts exactly
+PUSH_MAX = 20_000.0  # N, each way
+PUSH_TIME_MAX = 5.0  # s
 AMOUNT_MAX = 1.0  # m, one terrain edit
 BRUSH_MAX = 3.0  # m, radius or side of one terrain edit
 CELLS_MAX = 10_000  # cells named one by one in one terrain edit
@@ -93,6 +95,15 @@ class AttitudeBody(Shape):
 
     model_config = example(attitude="ground")
     attitude: Literal["level", "ground"]
+
+
+class PushBody(Shape):
+    """Push the torso, absolute axes, level, for a time."""
+
+    model_config = example(fx_n=0.0, fy_n=150.0, duration_s=0.1)
+    fx_n: Annotated[float, Field(ge=-PUSH_MAX, le=PUSH_MAX)]
+    fy_n: Annotated[float, Field(ge=-PUSH_MAX, le=PUSH_MAX)]
+    duration_s: Annotated[float, Field(ge=TICK, le=PUSH_TIME_MAX)] = 0.1
 
 
 class AdvanceBody(Shape):

@@ -47,7 +47,7 @@ def _plant_fields(simulation: Simulation) -> dict[str, Any]:
     """Where body and feet are, and how near the machine is to falling."""
     plant = simulation.plant
     carrying = simulation.walk.carrying()
-    margin, polygon_margin = simulation.margins(carrying)
+    margins = simulation.margins(carrying)
     body = tuple(plant.body)
     feet = tuple((foot[0], foot[1], foot[2]) for foot in plant.feet)
     standing = [foot for foot, carries in zip(feet, carrying, strict=True) if carries]
@@ -57,9 +57,13 @@ def _plant_fields(simulation: Simulation) -> dict[str, Any]:
         "contact": tuple(plant.soles),
         "support": carrying,
         "whiskers": tuple(plant.whiskers),
-        "margin": margin,
-        "polygon_margin": polygon_margin,
-        "contact_margin": _contact_margin(simulation, carrying, polygon_margin),
+        "margin": margins.longitudinal,
+        "polygon_margin": margins.polygon,
+        "contact_margin": _contact_margin(simulation, carrying, margins.polygon),
+        "capture_margin": margins.capture,
+        "loads": tuple(plant.loads),
+        "planned_loads": simulation.walk.loads or (),
+        "joints": tuple(plant.joints),
         "energy_margin": stability.energy_margin(standing, body[:3]),
     }
 
@@ -71,7 +75,7 @@ def _contact_margin(
     touching = tuple(
         carries and sole for carries, sole in zip(carrying, simulation.plant.soles, strict=True)
     )
-    return polygon_margin if touching == carrying else simulation.margins(touching)[1]
+    return polygon_margin if touching == carrying else simulation.margins(touching).polygon
 
 
 def _walk_fields(walk: GaitSupervisor) -> dict[str, Any]:

@@ -21,6 +21,7 @@ from walking_console.planner.robot.model import Machine
 from walking_console.planner.types import Stance
 
 from .kinematic.plant import KinematicPlant
+from .mujoco.settings import Physics
 from .sensor_noise import SensorNoise
 from .terrain.ground import Ground
 
@@ -35,6 +36,7 @@ class PlantMaker(Protocol):
     """Sets a machine down on its ground in a stance. Raises ``ValueError`` where it cannot.
 
     ``noise`` is what the sensors add, drawn from ``rng``, the only source of chance there is.
+    ``physics`` is what the machine truly is, for plants with bodies that have mass.
     """
 
     def __call__(
@@ -45,6 +47,7 @@ class PlantMaker(Protocol):
         *,
         noise: SensorNoise | None = None,
         rng: np.random.Generator | None = None,
+        physics: Physics | None = None,
     ) -> Plant[Ground]: ...
 
 
@@ -66,11 +69,12 @@ def _physics(
     *,
     noise: SensorNoise | None = None,
     rng: np.random.Generator | None = None,
+    physics: Physics | None = None,
 ) -> Plant[Ground]:
     """Imported when first asked for: a bare install does without MuJoCo."""
     from .mujoco.plant import PhysicsPlant
 
-    return PhysicsPlant(machine, ground, stance, noise=noise, rng=rng)
+    return PhysicsPlant(machine, ground, stance, noise=noise, rng=rng, physics=physics)
 
 
 def _check_physics() -> None:

@@ -33,7 +33,16 @@ from walking_console.planner.types import Gait
 
 from .plants import DEFAULT_PLANT, PLANTS
 from .range_sensor import EyeSettings
-from .scenario_tables import DRIVES_MAX, Drive, End, Expect, GaitChange, Noise, StartPlace
+from .scenario_tables import (
+    DRIVES_MAX,
+    Drive,
+    End,
+    Expect,
+    GaitChange,
+    Noise,
+    PhysicsChange,
+    StartPlace,
+)
 from .tables import Registered, Table
 from .terrain.generators import SEED_MAX, AnyTerrain, Flat
 from .trace_tables import Trace
@@ -104,6 +113,7 @@ class Scenario(Table):
     end: End = End()
     expect: Expect = Expect()
     noise: Noise | None = None
+    physics: PhysicsChange | None = None  # of the physics plant; others do without
     _base: Path | None = PrivateAttr(None)
 
     @model_validator(mode="before")

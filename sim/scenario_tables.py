@@ -11,6 +11,7 @@ from pydantic import Field, PlainValidator, ValidationError, model_validator
 from walking_console.planner import registry
 from walking_console.planner.types import TICK, Command
 
+from .mujoco.settings import Physics, ServoSettings
 from .tables import Bearing, MapMetres, Registered, Table
 
 DURATION_MAX = 3600.0  # s
@@ -130,6 +131,9 @@ class Expect(Table):
 
     distance_min: float | None = None  # m
     margin_min: float | None = None  # m
+    polygon_margin_min: float | None = None  # m, of the true centre of gravity
+    capture_margin_min: float | None = None  # m, the same less what a dead stop needs
+    tilt_max_deg: float | None = None  # of the body at most, against level
     forbidden_steps_max: int | None = Field(default=None, ge=0)
     emergent_max: int | None = Field(default=None, ge=0)
     emergent_min: int | None = Field(default=None, ge=0)
@@ -143,6 +147,32 @@ class Expect(Table):
     courses_unsettled_max: int | None = Field(default=None, ge=0)
     # of the body's path, against the average-height rule on the same footholds
     roughness_ratio_max: float | None = None
+
+
+class PhysicsChange(Table):
+    """What the physics plant truly is, beside what the robot's file, which planners know, says."""
+
+    sag: float | None = Field(default=None, ge=1e-5, le=0.1)  # m a leg gives under its share
+    mass_error: float = Field(default=0.0, ge=-0.9, le=9.0)  # 0.2: a fifth heavier than its file
+    # m, of the torso's centre of gravity, body axes
+    cog_offset: list[Annotated[float, Field(ge=-1.0, le=1.0)]] = Field(
+        default=[0.0, 0.0, 0.0], min_length=3, max_length=3
+    )
+    friction: float | None = Field(default=None, ge=0.0, le=10.0)  # the file's when not given
+    foot_radius: float | None = Field(default=None, ge=1e-3, le=0.2)  # m, of a foot's ball
+
+    def settings(self) -> Physics:
+        """The same as the plant takes it."""
+        servos = ServoSettings() if self.sag is None else ServoSettings(sag=self.sag)
+        x, y, z = self.cog_offset
+        tip = Physics().tip if self.foot_radius is None else self.foot_radius
+        return Physics(
+            servos,
+            self.friction,
+            tip=tip,
+            mass_factor=1.0 + self.mass_error,
+            centre_off=(x, y, z),
+        )
 
 
 class Noise(Table):

@@ -14,7 +14,7 @@ from functools import partial
 
 import numpy as np
 
-from walking_console.planner import registry, stability
+from walking_console.planner import registry
 from walking_console.planner.control.execution import Execution
 from walking_console.planner.control.supervisor import GaitSupervisor
 from walking_console.planner.geometry.transforms import XY, direction
@@ -35,6 +35,7 @@ from walking_console.planner.types import (
     StepPlan,
 )
 
+from .margins import Margins, margins_of
 from .observation import take_snapshot
 from .perception import Perception
 from .plants import plant_entry
@@ -90,6 +91,7 @@ class Simulation:
         self.distance = 0.0
         # the absolute direction distance is counted in, and its cosine and sine
         self._course: tuple[float, XY] = (0.0, direction(0.0))
+        self.velocity = (0.0, 0.0)  # of the body in the last tick, absolute, m/s
 
     def _supervisor(self, world: World) -> GaitSupervisor:
         scenario, machine, gait = world.scenario, world.machine, world.gait
@@ -163,8 +165,9 @@ class Simulation:
         body = plant.body
         x, y = body[0], body[1]
         plant.move(velocities, walk.loads)
+        body = plant.body
+        self.velocity = ((body[0] - x) / TICK, (body[1] - y) / TICK)
         if not command.holds:
-            body = plant.body
             self._count_distance(body[0] - x, body[1] - y, command)
         if walk.state.executed is not None:
             learnt = walk.contacts.take_learnt()
@@ -281,13 +284,13 @@ class Simulation:
             return ""
         return blocked.text if blocked.leg is None else f"leg {blocked.leg + 1}: {blocked.text}"
 
-    def margins(self, carrying: Iterable[bool]) -> tuple[float, float]:
-        """Longitudinal and polygon margin of the feet meant to carry, m."""
-        feet = zip(self.plant.feet, carrying, strict=True)
-        polygon = stability.support_polygon([foot for foot, carries in feet if carries])
-        x, y = self.plant.body[0], self.plant.body[1]
-        longitudinal = stability.longitudinal_margin(polygon, x, y, *direction(self.walk.heading))
-        return longitudinal, stability.polygon_margin(polygon, x, y)
+    def margins(self, carrying: Iterable[bool]) -> Margins:
+        """How far the machine is from tipping on the feet meant to carry."""
+        plant = self.plant
+        on = [foot for foot, carries in zip(plant.feet, carrying, strict=True) if carries]
+        return margins_of(
+            self.world.machine, plant.body, plant.feet, on, self.walk.heading, self.velocity
+        )
 
     def preview(self, running: StepPlan | None) -> GaitPreview | None:
         """What the planner foresees from the last N_k on; None for one that does not."""
@@ -309,4 +312,5 @@ def _plant_in(world: World) -> Plant[Ground]:
         noise = SensorNoise(wanted.position, wanted.posture, delay=wanted.late)
     rng = np.random.default_rng(scenario.seed)
     make = plant_entry(scenario.plant).make
-    return make(world.machine, world.ground, world.stance, noise=noise, rng=rng)
+    physics = None if scenario.physics is None else scenario.physics.settings()
+    return make(world.machine, world.ground, world.stance, noise=noise, rng=rng, physics=physics)

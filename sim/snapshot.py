@@ -54,6 +54,8 @@ DECLARED = Sent(
     }
 )
 FEET_SHOWN = [[1.7, 0.5, 0.0], [0.8, 0.5, 0.0], [0.8, -0.5, 0.0], [1.7, -0.5, 0.05]]
+LOADS = [249.1, 284.2, 251.5, 0.0]
+JOINTS = [[0.5, 0.45, -0.85], [-0.5, 0.45, -0.85], [-0.5, -0.45, -0.85], [0.5, -0.45, -0.8]]
 THREE_OF_FOUR = [True, True, True, False]
 POSTURE_MEANING = "in it, or being taken to it: stand, sit or standard"
 ATTITUDE_MEANING = "of the body: level, or ground when it is to follow it"
@@ -142,5 +144,19 @@ class Snapshot:
     given_trace: Annotated[
         bool, Sent("", "walks a given trace: of the stick only the speed counts", False)
     ] = False
+    # the polygon margin less what a dead stop needs
+    capture_margin: Annotated[
+        float, Sent("capture_margin_m", "less what a dead stop needs", 0.03, may_lack=True)
+    ] = math.nan
+    # what each foot carries, () without sensors of it, and what it is meant to, () where legs do
+    # not give
+    loads: Annotated[tuple[float, ...], Sent("loads_n", "what each foot carries", LOADS)] = ()
+    planned_loads: Annotated[
+        tuple[float, ...], Sent("planned_loads_n", "what each foot is to carry", LOADS)
+    ] = ()
+    # three a leg
+    joints: Annotated[
+        tuple[Point, ...], Sent("", "of every leg, rad or m, as its kind has it", JOINTS)
+    ] = ()
     # why the running step, or why there is none, where the console keeps it
     decision: Annotated[Mapping[str, Any] | None, INSIDE] = None

@@ -11,7 +11,8 @@ from fastapi import APIRouter, Depends, Header
 from fastapi.responses import JSONResponse, Response
 
 from walking_console.planner import registry
-from walking_console.sim.requests import Follow
+from walking_console.planner.types import TICK
+from walking_console.sim.requests import Follow, Push
 
 from ..explanation_frames import AheadFrame, DecisionFrame, ahead_frame, decision_frame
 from ..frames import PlayedFrame, SnapshotFrame, StyleFrame, style_frame
@@ -21,6 +22,7 @@ from ..schemas import (
     AttitudeBody,
     CommandBody,
     PostureBody,
+    PushBody,
     RateBody,
     ScenarioBody,
     TerrainBody,
@@ -108,6 +110,14 @@ async def attitude(body: AttitudeBody, state: ConsoleState) -> dict[str, Any]:
         raise HTTPProblem(409, registry.only_leans_with())
     state.loop.request(Follow(body.attitude))
     return {"tick": now.tick, "attitude": body.attitude}
+
+
+@router.post("/push", status_code=202)
+async def push(body: PushBody, state: ConsoleState) -> dict[str, Any]:
+    """Push the torso; a fallen machine is pushed no further."""
+    ticks = round(body.duration_s / TICK)
+    state.loop.request(Push(body.fx_n, body.fy_n, ticks))
+    return {"tick": state.loop.newest.tick, "ticks": ticks}
 
 
 @router.post("/stop")

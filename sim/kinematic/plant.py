@@ -20,6 +20,7 @@ import numpy as np
 from walking_console.planner.config import Tolerances
 from walking_console.planner.geometry.transforms import direction
 from walking_console.planner.protocols import PlantState
+from walking_console.planner.robot.kinematics import inverse
 from walking_console.planner.robot.model import Machine
 from walking_console.planner.types import Point, Sensing, Stance
 
@@ -35,6 +36,7 @@ from .swing_feet import swing
 
 # m a tick; a foot that has come down and moves faster over the ground than this does not carry
 SCRAPE = 0.001
+UNREACHED: Point = (math.nan, math.nan, math.nan)
 
 
 class KinematicPlant:
@@ -42,7 +44,8 @@ class KinematicPlant:
 
     ``body`` is x, y, z, roll, pitch, yaw (m, rad); ``feet`` are foot tips, absolute, m, in leg
     order; ``soles`` and ``whiskers`` are what is felt, a value a leg. ``noise`` needs a seeded
-    ``rng``. Raises ``ValueError`` for a stance of another machine.
+    ``rng``; ``physics`` makes no odds to legs without mass. Raises ``ValueError`` for a stance of
+    another machine.
     """
 
     def __init__(
@@ -53,6 +56,7 @@ class KinematicPlant:
         *,
         noise: SensorNoise | None = None,
         rng: np.random.Generator | None = None,
+        physics: object = None,
     ) -> None:
         if len(stance.feet) != len(machine.legs):
             raise ValueError(
@@ -74,6 +78,19 @@ class KinematicPlant:
         self._support = Support(q)
         self._falling = Falling(q)
         self._support.take_stock()
+
+    @property
+    def loads(self) -> Sequence[float]:
+        """It has no sensors of load."""
+        return ()
+
+    @property
+    def joints(self) -> list[Point]:
+        """Joint coordinates of every leg, rad or m; those of a foot out of its chain's reach are
+        not numbers.
+        """
+        legs = zip(self.q.machine.chains, self.q.tips, strict=True)
+        return [inverse(chain, (x, y, z)) or UNREACHED for chain, (x, y, z) in legs]
 
     @property
     def tolerances(self) -> Tolerances:

@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,13 +25,12 @@ from walking_console.planner.geometry.transforms import (
 from walking_console.planner.robot.model import Machine
 from walking_console.planner.stability import GRAVITY
 from walking_console.planner.statics import (
-    RAMP,
     centre_of_gravity,
-    load_share,
     planned_loads,
 )
 from walking_console.planner.types import TICK, Stance
 
+from ..load_history import shares_over
 from ..terrain.ground import Ground
 from .plant import PhysicsPlant
 from .settings import Physics
@@ -92,31 +90,6 @@ class Verdict:
     def true(self) -> bool:
         """It neither fell, nor let a foot hang, nor went elsewhere."""
         return self.fell is None and self.hang <= TRUE_HANG and self.end_error <= TRUE_END
-
-
-def shares_over(support: NDArray[np.bool_], ramp: float = RAMP) -> NDArray[np.float64]:
-    """How much each leg counts as carrying, (T, n) in 0 to 1, ramped up after every touch-down and
-    down before every lift-off.
-    """
-    ticks, legs = support.shape
-    shares = np.zeros((ticks, legs))
-    for leg in range(legs):
-        changes = (np.nonzero(support[1:, leg] != support[:-1, leg])[0] + 1).tolist()
-        for begin, end in pairwise([0, *changes, ticks]):
-            if support[begin, leg]:
-                shares[begin:end, leg] = _stance_shares(begin, end, ticks, ramp)
-    return shares
-
-
-def _stance_shares(begin: int, end: int, ticks: int, ramp: float) -> list[float]:
-    return [
-        load_share(
-            math.inf if begin == 0 else (tick - begin + 0.5) * TICK,
-            math.inf if end == ticks else (end - tick - 0.5) * TICK,
-            ramp,
-        )
-        for tick in range(begin, end)
-    ]
 
 
 def loads_at(recording: Recording, tick: int, shares: Sequence[float]) -> tuple[float, ...]:

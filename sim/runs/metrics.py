@@ -21,6 +21,28 @@ FLAT = 1e-6  # m; an average-height path smoother than this has nothing to be co
 def measured(simulation: Simulation, recorder: Recorder) -> dict[str, Any]:
     """Figures of ``run.json`` that an expectation may name; None where nothing can be measured."""
     log = recorder.columns()
+    return {**stability_figures(log), **_of_the_gait(simulation, recorder, log)}
+
+
+def stability_figures(log: dict[str, NDArray[Any]]) -> dict[str, float | None]:
+    """The least margins of the feet meant to carry, m, and how far the body leant at most, deg."""
+    tilt = np.hypot(log["body"][:, 3], log["body"][:, 4])
+    return {
+        "polygon_margin_min": _least(log["polygon_margin"]),
+        "capture_margin_min": _least(log["capture_margin"]),
+        "tilt_deg": float(np.degrees(tilt.max())) if tilt.size else None,
+    }
+
+
+def _least(values: NDArray[Any]) -> float | None:
+    """The least of them; None where it is no number, or there are none."""
+    return float(values.min()) if values.size and np.isfinite(values).all() else None
+
+
+def _of_the_gait(
+    simulation: Simulation, recorder: Recorder, log: dict[str, NDArray[Any]]
+) -> dict[str, Any]:
+    """What only a planner with a standard layout can be measured by."""
     within = simulation.planner.capabilities.standard_within
     if within is None or not recorder.ticks:
         return dict.fromkeys(

@@ -17,6 +17,7 @@ import numpy as np
 from walking_console.planner.types import TICK, Mode, StepPlan
 from walking_console.sim.requests import input_record
 from walking_console.sim.runs.ground_record import ground_arrays
+from walking_console.sim.runs.leg_log import LegLog
 from walking_console.sim.simulation import Simulation
 
 SCHEMA = 1
@@ -32,7 +33,6 @@ class Recorder:
     def __init__(self, simulation: Simulation) -> None:
         self.simulation = simulation
         legs = len(simulation.world.machine.legs)
-        self.legs = legs
         self._pack = struct.Struct(f"<8s{6 + 3 * legs + 3}d{2 * legs + 1}B").pack
         self.hash = bytes(8)
         self.margin_min = float("inf")
@@ -40,13 +40,19 @@ class Recorder:
         self.falls = 0
         self.steps: list[dict[str, Any]] = []
         self.inputs: list[dict[str, Any]] = []
-        self._floats = array("d")  # t, body 6, feet 3n, command 3, margins 2
+        self._floats = array("d")  # t, body 6, feet 3n, command 3, margins 3
+        self._legs = LegLog(simulation.world.machine)
         self._flags = bytearray()  # contact n, support n, mode
         self._steps = array("i")
         self._hashes = array("Q")
         self._was_fallen = False
         self._step_began = 0
         simulation.on_input = self._note_input
+
+    @property
+    def legs(self) -> int:
+        """How many legs the machine has."""
+        return len(self.simulation.world.machine.legs)
 
     @property
     def ticks(self) -> int:
@@ -60,7 +66,7 @@ class Recorder:
         carrying = walk.carrying()
         mode = int(simulation.mode)
         command = simulation.command
-        margin, polygon = simulation.margins(carrying)
+        margins = simulation.margins(carrying)
         state = [v + 0.0 for v in plant.body]  # adding 0.0 turns −0.0 into 0.0
         for x, y, z in plant.feet:
             state += (x + 0.0, y + 0.0, z + 0.0)
@@ -70,13 +76,12 @@ class Recorder:
         floats = self._floats
         floats.append(simulation.tick_count * TICK)
         floats.extend(state)
-        floats.append(margin)
-        floats.append(polygon)
+        floats.extend(margins)
+        self._legs.note(simulation)
         self._flags += flags
         self._steps.append(walk.steps_begun)
         self._hashes.append(int.from_bytes(self.hash, "little"))
-        if margin < self.margin_min:
-            self.margin_min = margin
+        self.margin_min = min(self.margin_min, margins.longitudinal)
         if walk.executed is not None:
             self._note_step(walk.executed)
         if mode == Mode.FALLEN and not self._was_fallen:
@@ -125,9 +130,9 @@ class Recorder:
         self.inputs.append({"tick": tick, **input_record(given)})
 
     def columns(self) -> dict[str, np.ndarray[Any, Any]]:
-        """The log as named arrays, one row per tick (``ticks.npz``)."""
+        """The log as named arrays, one row per tick, but those of single legs."""
         n, rows = self.legs, self.ticks
-        floats = np.frombuffer(self._floats, dtype=np.float64).reshape(rows, 12 + 3 * n)
+        floats = np.frombuffer(self._floats, dtype=np.float64).reshape(rows, 13 + 3 * n)
         flags = np.frombuffer(bytes(self._flags), dtype=np.uint8).reshape(rows, 2 * n + 1)
         return {
             "t": floats[:, 0],
@@ -136,6 +141,7 @@ class Recorder:
             "command": floats[:, 7 + 3 * n : 10 + 3 * n],
             "margin": floats[:, 10 + 3 * n],
             "polygon_margin": floats[:, 11 + 3 * n],
+            "capture_margin": floats[:, 12 + 3 * n],
             "contact": flags[:, :n].astype(bool),
             "support": flags[:, n : 2 * n].astype(bool),
             "mode": flags[:, 2 * n].astype(np.int8),
@@ -151,7 +157,9 @@ class Recorder:
     def write(self, out: Path, summary: dict[str, Any]) -> None:
         """The run directory: ``run.json`` last, so that a directory that has one is whole."""
         simulation = self.simulation
-        np.savez_compressed(out / "ticks.npz", **self.columns())  # type: ignore[arg-type]
+        log = self.columns()
+        log |= self._legs.columns(log)
+        np.savez_compressed(out / "ticks.npz", **log)  # type: ignore[arg-type]
         perception = simulation.perception
         terrain = {
             **ground_arrays(simulation.world.ground, perception.ground.heights),

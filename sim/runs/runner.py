@@ -246,14 +246,25 @@ def held(scenario: Scenario, figures: dict[str, Any]) -> dict[str, dict[str, Any
         "emergent": sum(figures["emergent"].values()),
         "time": figures["seconds"],
         "margin": figures["margin_min"],
+        "polygon_margin": figures.get("polygon_margin_min"),
+        "capture_margin": figures.get("capture_margin_min"),
     }
     answer = {}
     for key, wanted in scenario.expect.model_dump(exclude_none=True).items():
-        figure, bound = key.rsplit("_", 1)
+        figure, bound = _figure_and_bound(key)
         value = got[figure]
         passed = value is not None and (value >= wanted if bound == "min" else value <= wanted)
         answer[key] = {"wanted": wanted, "got": value, "pass": bool(passed)}
     return answer
+
+
+def _figure_and_bound(key: str) -> tuple[str, str]:
+    """Of an expectation's key: what it is about, its unit included, and min or max."""
+    for bound in ("min", "max"):
+        before, found, unit = key.partition(f"_{bound}")
+        if found:
+            return before + unit, bound
+    raise KeyError(key)
 
 
 def succeeded(summary: dict[str, Any]) -> bool:

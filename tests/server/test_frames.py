@@ -35,7 +35,7 @@ fault""".split()
 class LargerSnapshot(Snapshot):
     """What somebody adds to the snapshot tomorrow, at one place."""
 
-    capture_margin: Annotated[float, Sent("capture_margin_m", "to the capture point", 0.07)] = 0.07
+    feeler_margin: Annotated[float, Sent("feeler_margin_m", "to what is felt", 0.07)] = 0.07
     wheels: int = 0
     secret: Annotated[int, INSIDE] = 0
 
@@ -64,12 +64,12 @@ def test_a_field_added_to_the_snapshot_shows_in_frame_shape_and_example(flat: Wo
     now = Simulation(flat).snapshot()
     values = {f.name: getattr(now, f.name) for f in dataclasses.fields(now)}
     fields = wire_fields(LargerSnapshot)
-    larger = LargerSnapshot(**values, capture_margin=0.12345678, wheels=3)
+    larger = LargerSnapshot(**values, feeler_margin=0.12345678, wheels=3)
     frame = {field.key: field.read(larger) for field in fields}
-    assert frame["capture_margin_m"] == 0.12346 and frame["wheels"] == 3
+    assert frame["feeler_margin_m"] == 0.12346 and frame["wheels"] == 3
     shape = frame_model("Larger", "", fields, {}).model_json_schema()
-    assert shape["properties"]["capture_margin_m"]["description"] == "to the capture point"
-    assert shape["examples"][0]["capture_margin_m"] == 0.07 and "wheels" in shape["required"]
+    assert shape["properties"]["feeler_margin_m"]["description"] == "to what is felt"
+    assert shape["examples"][0]["feeler_margin_m"] == 0.07 and "wheels" in shape["required"]
     assert "secret" not in frame and set(frame) == set(shape["properties"])
 
 

@@ -22,7 +22,7 @@ def test_it_shows_the_machine_where_it_is(walking: Simulation) -> None:
     assert seen.body == tuple(walking.plant.body)
     assert seen.feet == tuple(tuple(foot) for foot in walking.plant.feet)
     assert seen.contact == tuple(walking.plant.soles)
-    assert (seen.margin, seen.polygon_margin) == walking.margins(seen.support)
+    assert (seen.margin, seen.polygon_margin, seen.capture_margin) == walking.margins(seen.support)
 
 
 def test_it_shows_the_step_that_runs_and_why_it_was_chosen(walking: Simulation) -> None:

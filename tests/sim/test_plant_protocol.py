@@ -30,6 +30,7 @@ class ToyPlant:
     """Carries its body straight on with the feet that are down; level bodies and no falling."""
 
     tolerances = Tolerances()
+    loads = ()
     state: PlantState = "standing"
 
     def __init__(
@@ -40,6 +41,7 @@ class ToyPlant:
         *,
         noise: SensorNoise | None = None,
         rng: np.random.Generator | None = None,
+        physics: object = None,
     ) -> None:
         x, y, z, yaw = stance.body
         self.machine = machine
@@ -49,6 +51,7 @@ class ToyPlant:
         self.feet = [list(foot) for foot in stance.feet]
         self.soles = [leg not in stance.lifted for leg in range(len(self.feet))]
         self.whiskers = [0] * len(self.feet)
+        self.joints = [(0.0, 0.0, 0.0)] * len(self.feet)
 
     @property
     def pose(self) -> tuple[float, float, float, float]:

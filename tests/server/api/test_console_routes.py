@@ -76,6 +76,24 @@ def test_a_posture_that_is_none_is_refused_by_name(
     assert told["field"] == ("speed" if "speed" in body else "posture")
 
 
+def test_a_push_moves_the_body_in_the_ticks_that_follow(
+    client: TestClient, loop: RealtimeLoop
+) -> None:
+    body = {"fx_n": 0.0, "fy_n": 3000.0, "duration_s": 1.2}
+    answer = client.post("/api/v1/console/push", json=body)
+    assert answer.status_code == 202 and answer.json()["ticks"] == 60
+    for _ in range(200):
+        loop.tick()
+    assert client.get("/api/v1/console").json()["mode"] == "fallen"
+
+
+@pytest.mark.parametrize(
+    "body", [{"fx_n": 1.0}, {"fx_n": 1.0, "fy_n": 1e6}, {"fx_n": 0, "fy_n": 0, "duration_s": 0.001}]
+)
+def test_a_push_beyond_all_measure_is_refused(client: TestClient, body: dict[str, Any]) -> None:
+    problem_of(client.post("/api/v1/console/push", json=body), 422)
+
+
 def test_no_posture_through_a_stop(client: TestClient, loop: RealtimeLoop) -> None:
     client.post("/api/v1/console/stop")
     assert (

@@ -13,6 +13,7 @@ from walking_console.sim.runs.metrics import (
     measured,
     off_line,
     roughness,
+    stability_figures,
     standard_steps,
 )
 from walking_console.sim.runs.recorder import Recorder
@@ -90,4 +91,16 @@ def test_a_planner_without_a_standard_layout_is_not_measured_against_one() -> No
     recorder = Recorder(simulation)
     simulation.step()
     recorder.note()
-    assert set(measured(simulation, recorder).values()) == {None}
+    figures = measured(simulation, recorder)
+    stable = stability_figures(recorder.columns())
+    assert {figures[name] for name in figures if name not in stable} == {None}
+
+
+def test_the_least_margins_and_the_most_the_body_leant_are_figures() -> None:
+    body = np.zeros((3, 6))
+    body[1, 3:5] = 0.03, -0.04
+    log = {"body": body, "polygon_margin": np.array([0.3, 0.1, 0.2])}
+    log["capture_margin"] = np.array([0.3, -np.inf, 0.2])
+    figures = stability_figures(log)
+    assert figures["polygon_margin_min"] == 0.1 and figures["capture_margin_min"] is None
+    assert figures["tilt_deg"] == pytest.approx(np.degrees(0.05))

@@ -83,7 +83,15 @@ def test_a_directory_that_cannot_be_made_is_said(tmp_path) -> None:
         run_scenario(load_scenario("flat", ("end={time=1.0}", FREE)), tmp_path / "file" / "run")
 
 
-FIGURES = {"distance": 2.0, "emergent": {"early": 1, "late": 2}, "seconds": 9.0, "margin_min": None}
+FIGURES = {
+    "distance": 2.0,
+    "emergent": {"early": 1, "late": 2},
+    "seconds": 9.0,
+    "margin_min": None,
+    "polygon_margin_min": 0.02,
+    "capture_margin_min": 0.019,
+    "tilt_deg": 1.5,
+}
 
 
 @pytest.mark.parametrize(
@@ -95,6 +103,9 @@ FIGURES = {"distance": 2.0, "emergent": {"early": 1, "late": 2}, "seconds": 9.0,
         ({"emergent_max": 2}, False),
         ({"time_max": 9.0}, True),
         ({"margin_min": -1.0}, False),
+        ({"polygon_margin_min": 0.02}, True),
+        ({"capture_margin_min": 0.02}, False),
+        ({"tilt_max_deg": 1.0}, False),
     ],
 )
 def test_an_expectation_holds_at_its_limit_and_never_for_what_was_not_measured(

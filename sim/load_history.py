@@ -1,0 +1,67 @@
+"""What feet carried over a whole walk, by statics, from the rows of its log."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from walking_console.planner.robot.model import Machine
+from walking_console.planner.stability import GRAVITY
+from walking_console.planner.statics import RAMP, load_share, planned_loads
+from walking_console.planner.types import TICK
+
+from .margins import true_centre
+
+_Floats = NDArray[np.float64]
+
+
+def shares_over(support: NDArray[np.bool_], ramp: float = RAMP) -> NDArray[np.float64]:
+    """How much each leg counts as carrying, (T, n) in 0 to 1, ramped up after every touch-down and
+    down before every lift-off.
+    """
+    ticks, legs = support.shape
+    shares = np.zeros((ticks, legs))
+    for leg in range(legs):
+        changes = (np.nonzero(support[1:, leg] != support[:-1, leg])[0] + 1).tolist()
+        for begin, end in pairwise([0, *changes, ticks]):
+            if support[begin, leg]:
+                shares[begin:end, leg] = _stance_shares(begin, end, ticks, ramp)
+    return shares
+
+
+def _stance_shares(begin: int, end: int, ticks: int, ramp: float) -> list[float]:
+    return [
+        load_share(
+            math.inf if begin == 0 else (tick - begin + 0.5) * TICK,
+            math.inf if end == ticks else (end - tick - 0.5) * TICK,
+            ramp,
+        )
+        for tick in range(begin, end)
+    ]
+
+
+def loads_over(machine: Machine, body: _Floats, feet: _Floats, shares: _Floats) -> _Floats:
+    """What every foot carries, (T, n) N, for rows of body (T, 6), feet (T, n, 3) and how much each
+    counts as carrying: ``planned_loads`` row by row, all at once where no foot is let go of.
+    """
+    rows = zip(body.tolist(), feet.tolist(), strict=True)
+    centres = np.array([true_centre(machine, *row)[:2] for row in rows]).reshape(-1, 2)
+    weight = machine.mass * GRAVITY
+    arms = np.concatenate(
+        [np.ones((*shares.shape, 1)), feet[:, :, :2] - centres[:, None, :]], axis=2
+    )
+    moments = np.einsum("tn,tni,tnj->tij", shares, arms, arms)
+    solid = np.abs(np.linalg.det(moments)) > 1e-9
+    plane = np.zeros((len(body), 3))
+    right = np.broadcast_to([[weight], [0.0], [0.0]], (int(solid.sum()), 3, 1))
+    plane[solid] = np.linalg.solve(moments[solid], right)[:, :, 0]
+    heights = np.einsum("tni,ti->tn", arms, plane)
+    loads: _Floats = shares * heights
+    least = np.where(shares > 0.0, heights, np.inf).min(axis=1)
+    for row in np.nonzero((least < 0.0) | ~solid)[0].tolist():
+        x, y = centres[row].tolist()
+        loads[row] = planned_loads(weight, (x, y), feet[row].tolist(), shares[row].tolist()).newtons
+    return loads
