@@ -8,6 +8,7 @@ touch.
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
@@ -53,6 +54,9 @@ class Perception:
         self.mapper: ElevationMapper | None = None
         self.range_sensor: RangeSensor | None = None
         self._steps_known = -1
+        # of the plant, the oldest first: the one that is acted on, where sensors are late
+        late = world.scenario.noise.late if world.scenario.noise else 0
+        self.readings: deque[Sensing] = deque(maxlen=1 + late)
         if world.scenario.sensing != "known":
             self._begin_to_map(world, body)
 

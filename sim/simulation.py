@@ -31,7 +31,6 @@ from walking_console.planner.types import (
     Command,
     GaitPreview,
     Mode,
-    Sensing,
     StepPlan,
 )
 
@@ -83,8 +82,6 @@ class Simulation:
         self.planner = self._planner(world)
         self.walk = self._supervisor(world)
         self.perception = Perception(world, self.plant.body, revision)
-        late = world.scenario.noise.late if world.scenario.noise else 0
-        self._readings: deque[Sensing] = deque(maxlen=1 + late)
         self.command = HOLD
         self._mailbox: tuple[Command, int | None] = (HOLD, None)  # and the tick it lapses at
         self.tick_count = 0
@@ -158,7 +155,7 @@ class Simulation:
         if plant.state == "fallen":
             self.tick_count += 1
             return
-        readings = self._readings
+        readings = perception.readings
         readings.append(plant.sense())
         sensing = readings[0]  # an old one where sensors are late
         velocities = walk.advance(sensing, command, perception.belief)
