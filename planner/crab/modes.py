@@ -81,7 +81,7 @@ class CrabPlanner(Planner):
 
     def plan(self, stance: Stance, command: Command, terrain: TerrainMap) -> PlanningJob:
         answer = yield from self._plan(stance, command, terrain)
-        if isinstance(answer, Blocked):
+        if isinstance(answer, Blocked) or not self._gait.sways:
             return answer
         ahead = expected_supports(answer, command, self._machine, self._gait)
         return swayed(answer, stance, ahead, self._gait, self._machine)

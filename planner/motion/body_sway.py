@@ -19,9 +19,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ..geometry.polygons import Polygon
-from ..geometry.transforms import XY, Body, direction
+from ..geometry.transforms import XY, Body, direction, point_seen, turned
 from ..robot.model import Machine
 from ..stability import GRAVITY, polygon_margin, support_polygon
+from ..statics import centre_of_gravity
 from ..types import Gait, Phase, Point, Stance, StepPlan
 from .body_path import (
     OFFSET_MAX,
@@ -37,7 +38,7 @@ from .body_path import (
 )
 from .step_builder import changed
 
-SPARE = 0.001  # m more than the wanted margin: rounding and what a cubic bends between gates
+SPARE = 0.002  # m more than the wanted margin: rounding and what a cubic bends between gates
 ROUNDS = 4  # of giving the step more time; after them it is taken as it is
 SOONEST = 0.02  # s; a leg that lifts within this of another's landing lifts at once
 IN_TIME = 1.002  # a step that should be longer by less is taken as it is
@@ -73,10 +74,10 @@ def swayed(
     if not gait.sways or plan.lean is not None or plan.end.lean != (0.0, 0.0):
         return plan
     bounds = bounds_of(stance, gait)
-    course = _Course.of(plan, stance)
+    course = _Course.of(plan, stance, machine)
     table = _Table.of(plan, course, stance, bounds)
     for _ in range(ROUNDS):
-        way = _Way.through(table, course, stance, ahead, bounds)
+        way = _Way.through(table, course, stance, ahead, bounds, machine)
         hurry = way.hurry(bounds)
         feet = way.foot_hurry(machine)
         if max(hurry, feet) <= IN_TIME:
@@ -90,16 +91,22 @@ class _Course:
     """The reference of a step as a polyline, and what carries the machine on its way."""
 
     def __init__(
-        self, reference: list[Body], crab_angle: float, polygons: tuple[Polygon, Polygon]
+        self,
+        reference: list[Body],
+        crab_angle: float,
+        polygons: tuple[Polygon, Polygon],
+        centres: tuple[XY, XY],
     ) -> None:
         self.reference = reference
         self.crab_angle = crab_angle
         self.before, self.after = polygons  # of the feet that carry before, and after, a leg lifts
         self.lengths = _lengths(reference)
+        # of the centre of gravity from the body when a leg lifts, and at the end, absolute axes
+        self.centre_at_lift, self.centre_at_end = centres
         self.aside = math.pi / 2  # rad, from the course to the direction in which the body sways
 
     @classmethod
-    def of(cls, plan: StepPlan, stance: Stance) -> _Course:
+    def of(cls, plan: StepPlan, stance: Stance, machine: Machine) -> _Course:
         """That of a plan as it was decided."""
         legs = range(len(stance.feet))
         standing = support_polygon(stance.feet[leg] for leg in legs if leg not in stance.lifted)
@@ -109,7 +116,13 @@ class _Course:
             else support_polygon(stance.feet[leg] for leg in legs if leg not in plan.swing)
         )
         reference = [(b[0], b[1], b[2], b[3]) for b in plan.body.tolist()]
-        return cls(reference, plan.crab_angle, (standing, swinging))
+        feet = plan.feet.tolist()
+        lift = _first_swing(plan) or 0
+        centres = (
+            _centre(machine, reference[lift], feet[lift]),
+            _centre(machine, reference[-1], feet[-1]),
+        )
+        return cls(reference, plan.crab_angle, (standing, swinging), centres)
 
     @property
     def length(self) -> float:
@@ -144,8 +157,15 @@ class _Course:
 
     def bounds_at(self, length: float, polygon: Polygon, margin: float) -> XY:
         """The offsets at which the body keeps a margin in a polygon."""
-        x, y, _, _ = self.at(length)
+        x, y = self.weight_at(length)
         return lateral_bounds(polygon, x, y, self.side(length), margin)
+
+    def weight_at(self, length: float) -> XY:
+        """Where the centre of gravity is above, with the body on the reference there."""
+        x, y, _, _ = self.at(length)
+        ends = length >= self.length - STILL
+        dx, dy = self.centre_at_end if ends else self.centre_at_lift
+        return x + dx, y + dy
 
     def turn_to_safety(self, length: float, margin: float) -> None:
         """Where no offset across the course keeps the margin when a leg lifts, sway away from the
@@ -154,7 +174,7 @@ class _Course:
         kept = self._best(length)
         if not self.after or kept >= margin:
             return
-        x, y, _, _ = self.at(length)
+        x, y = self.weight_at(length)
         across = self.aside
         nx, ny = nearest_edge_normal(self.after, x, y)
         self.aside = math.atan2(ny, nx) - self.heading(length)
@@ -164,7 +184,7 @@ class _Course:
     def _best(self, length: float) -> float:
         """The most margin an offset leaves when a leg lifts, m."""
         low, high = self.bounds_at(length, self.after, OFFSET_MAX)
-        x, y, _, _ = self.at(length)
+        x, y = self.weight_at(length)
         c, s = self.side(length)
         return max(
             (polygon_margin(self.after, x + d * c, y + d * s) for d in (low, high)), default=0.0
@@ -173,6 +193,13 @@ class _Course:
     def _stretch(self, length: float) -> int:
         last = len(self.lengths) - 2
         return min(max(bisect_right(self.lengths, length) - 1, 0), last)
+
+
+def _centre(machine: Machine, body: Body, feet: Sequence[Sequence[float]]) -> XY:
+    """The centre of gravity of body and legs from the body's own place, absolute axes."""
+    seen = [point_seen(body, (foot[0], foot[1], foot[2])) for foot in feet]
+    x, y, _ = centre_of_gravity(machine, seen)
+    return turned(x, y, body[3])
 
 
 def _first_swing(plan: StepPlan) -> int | None:
@@ -245,6 +272,7 @@ class _Way:
     progress: list[Knot]  # m of the reference's length
     along: list[Knot]
     across: list[Knot]
+    machine: Machine
 
     @classmethod
     def through(
@@ -254,6 +282,7 @@ class _Way:
         stance: Stance,
         ahead: Sequence[SupportPhase],
         bounds: Bounds,
+        machine: Machine,
     ) -> _Way:
         """The way through the gates of this step and the next ones."""
         side = course.side(0.0)
@@ -269,7 +298,7 @@ class _Way:
             Knot(0.0, _dot(stance.sway, forward), _dot(rest, forward)),
             Knot(table.times[-1], 0.0, 0.0),
         ]
-        return cls(table, course, progress, along, across)
+        return cls(table, course, progress, along, across, machine)
 
     def velocity(self, k: int) -> Body:
         """Of the body at knot k: m/s along absolute x, y and z, and rad/s."""
@@ -353,7 +382,9 @@ class _Way:
     def _margin(self, body: Sequence[Body]) -> float:
         """Least polygon margin at the knots."""
         least = math.inf
-        for k, (x, y, _, _) in enumerate(body):
+        for k, place in enumerate(body):
+            dx, dy = _centre(self.machine, place, self.table.feet[k])
+            x, y = place[0] + dx, place[1] + dy
             if k <= self.table.lift:
                 least = min(least, polygon_margin(self.course.before, x, y))
             if k >= self.table.lift and self.course.after:
@@ -416,8 +447,9 @@ def _gates(
     side = course.side(course.length)
     for support in ahead:
         places = ((support.lift, support.at_lift), (support.land, support.at_land))
+        dx, dy = course.centre_at_end
         for time, (x, y) in places:
-            bounds = lateral_bounds(support.polygon, x, y, side, margin)
+            bounds = lateral_bounds(support.polygon, x + dx, y + dy, side, margin)
             _add(keys, last + time, bounds)
     return keys or [Key(last, 0.0, 0.0)]
 

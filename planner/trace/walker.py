@@ -49,7 +49,7 @@ class TracePlanner(Planner):
 
     def plan(self, stance: Stance, command: Command, terrain: TerrainMap) -> PlanningJob:
         answer = yield from self.walk(stance, command, terrain)
-        if isinstance(answer, Blocked):
+        if isinstance(answer, Blocked) or not self.walk.gait.sways:
             return answer
         supports = expected_supports(self.walk.prediction, stance, answer)
         return swayed(answer, stance, supports, self.walk.gait, self.walk.machine)

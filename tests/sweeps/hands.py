@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from walking_console.planner.stability import MARGIN_SLACK
+from walking_console.planner.stability import MARGIN_SLACK, polygon_margin, support_polygon
 from walking_console.planner.types import TICK, Command
 from walking_console.sim.scenario_files import load_scenario
 from walking_console.sim.simulation import Simulation
@@ -109,6 +109,13 @@ class Watch:
         return [what for what, there in found.items() if there]
 
 
+def planned_polygon_margin(console: Simulation) -> float:
+    """How far the body's own place, which planners go by, is inside the feet meant to carry, m."""
+    feet = zip(console.plant.feet, console.walk.carrying(), strict=True)
+    polygon = support_polygon([foot for foot, carries in feet if carries])
+    return polygon_margin(polygon, console.plant.body[0], console.plant.body[1])
+
+
 class Watched:
     """A console whose every tick is looked at."""
 
@@ -130,7 +137,7 @@ class Watched:
     def order(self, command: Command) -> None:
         self.console.order(command)
 
-    def tick(self) -> None:
+    def step(self) -> None:
         """One tick, and what it came to."""
         console, seen = self.console, self.seen
         x, y, yaw = self._pose()
@@ -144,7 +151,8 @@ class Watched:
         if plant.state != "standing":
             seen.falls = 1
         carrying = walk.carrying()
-        margin, polygon = console.margins(carrying)
+        margin = console.margins(carrying).longitudinal
+        polygon = planned_polygon_margin(console)
         seen.margin, seen.polygon_margin = (
             min(seen.margin, margin),
             min(seen.polygon_margin, polygon),

