@@ -39,7 +39,7 @@ class ControlLease:
     """
 
     def __init__(self, loop: RealtimeLoop, sit_after: float = SIT_AFTER) -> None:
-        self._loop = loop
+        self.loop = loop
         self._now = loop.now
         self._sit_after = sit_after if sit_after > 0.0 else math.inf
         self._holder: Session | None = None
@@ -65,7 +65,7 @@ class ControlLease:
         sits down later.
         """
         if self._holder is session:
-            self._loop.halt()
+            self.loop.halt()
             self._free()
 
     @property
@@ -120,7 +120,7 @@ class ControlLease:
     def _drive(self, session: Session, frame: DriveFrame) -> LeaseRefusal | None:
         now = self._now()
         command = frame.command()
-        age = session.age_of_picture(frame, self._loop.age_of)
+        age = session.age_of_picture(frame, self.loop.age_of)
         if isinstance(age, LeaseRefusal):
             return age
         if now - session.driven > DEAD_MAN:
@@ -130,15 +130,11 @@ class ControlLease:
             return stale(frame.echo_tick, age)
         session.show_stick(command.holds, by_hand=frame.by_hand)
         if self._holder is session:
-            self._expect_another(command, now)
-        why = self._blocked(session, command)
+            self.loop.sit_down_at(math.inf if command.holds else now + self._sit_after)
+        why = blocked(self._other_drives(session), self.stopped, session, command)
         if why is None:
             self._obey(session, command, age)
         return why
-
-    def _expect_another(self, command: Command, now: float) -> None:
-        """While its stick is pressed, another frame is due before the machine sits down."""
-        self._loop.sit_down_at(math.inf if command.holds else now + self._sit_after)
 
     def _other_drives(self, session: Session | None) -> LeaseRefusal | None:
         """Whether somebody else holds the lease; None stands for REST, which no lease is for."""
@@ -156,37 +152,26 @@ class ControlLease:
             return None
         return refusal(LeaseReason.OTHER_DRIVES, holder=self.holder_title)
 
-    def _blocked(self, session: Session, command: Command) -> LeaseRefusal | None:
-        """Why this session may not move the machine now."""
-        other = self._other_drives(session)
-        if other is not None:
-            return other
-        if self.stopped:
-            return None if session.centred else refusal(LeaseReason.STOPPED)
-        if session.must_centre and not command.holds:
-            return refusal(LeaseReason.CENTRE_FIRST)
-        return None
-
     def _obey(self, session: Session, command: Command, age: float) -> None:
         now = self._now()
         if self._holder is not session:
             self._hand_to(session)
-            self._expect_another(command, now)
+            self.loop.sit_down_at(math.inf if command.holds else now + self._sit_after)
         session.driven = now
         session.moving = not command.holds
         # so a frozen picture holds at the dead-man, not at twice that
-        self._loop.order(command, max(TICK, DEAD_MAN - age))
+        self.loop.order(command, max(TICK, DEAD_MAN - age))
 
     # postures
 
     def _take_posture(self, session: Session, frame: PostureFrame) -> LeaseRefusal | None:
         """By the holder, or whoever finds the lease free."""
-        age = session.age_of_picture(frame, self._loop.age_of)
+        age = session.age_of_picture(frame, self.loop.age_of)
         if isinstance(age, LeaseRefusal):
             return age
         if age > DEAD_MAN:
             return stale(frame.echo_tick, age)
-        why = self._other_drives(session) or self._no_posture_now(LeaseReason.STOPPED)
+        why = self._other_drives(session) or no_posture_now(self, LeaseReason.STOPPED)
         if why is None:
             if self._holder is not session:
                 self._hand_to(session)
@@ -194,18 +179,9 @@ class ControlLease:
             self._begin_posture(frame.posture)
         return why
 
-    def _no_posture_now(self, when_stopped: LeaseReason) -> LeaseRefusal | None:
-        """Why nobody may have a posture taken: a stop, or a machine on its way down."""
-        newest = self._loop.newest
-        if self.stopped:
-            return refusal(when_stopped)
-        if newest.mode in (Mode.TIPPING, Mode.FALLEN) and newest.reason:
-            return refusal(LeaseReason.NO_POSTURE_NOW, why=newest.reason)
-        return None
-
     def _begin_posture(self, posture: str) -> None:
-        self._loop.sit_down_at(math.inf)
-        self._loop.take_posture(posture)
+        self.loop.sit_down_at(math.inf)
+        self.loop.take_posture(posture)
 
     # taking, letting go, stopping
 
@@ -231,12 +207,12 @@ class ControlLease:
         """Somebody is there: the machine holds, in whatever posture, and does not sit down by
         itself.
         """
-        self._loop.sit_down_at(math.inf)
-        self._loop.halt()
+        self.loop.sit_down_at(math.inf)
+        self.loop.halt()
 
     def _free(self) -> None:
         """The machine holds; the lease is free, and a stick left pressed moves nothing later."""
-        self._loop.order(HOLD)
+        self.loop.order(HOLD)
         if self._holder is not None:
             self._holder.freeze()
         self._holder = None
@@ -283,15 +259,15 @@ class ControlLease:
             if self._rest_drove == command.holds:
                 self._rest_drove = not command.holds
                 self.revision += 1
-            self._loop.sit_down_at(math.inf)
+            self.loop.sit_down_at(math.inf)
             if command.holds:
-                self._loop.halt()
-            self._loop.order(command, ttl)
+                self.loop.halt()
+            self.loop.order(command, ttl)
         return self._counted(why)
 
     def take_posture(self, posture: str) -> LeaseRefusal | None:
         """Take a posture; it ends a command that REST has given."""
-        why = self._other_drives(None) or self._no_posture_now(LeaseReason.REARM_FIRST)
+        why = self._other_drives(None) or no_posture_now(self, LeaseReason.REARM_FIRST)
         if why is None:
             self._rest_until = 0.0
             self._begin_posture(posture)
@@ -304,5 +280,28 @@ class ControlLease:
         if self._holder is not None:
             self._holder.freeze()
         self._rest_until = 0.0
-        self._loop.sit_down_at(math.inf)
-        self._loop.order(HOLD)
+        self.loop.sit_down_at(math.inf)
+        self.loop.order(HOLD)
+
+
+def no_posture_now(lease: ControlLease, when_stopped: LeaseReason) -> LeaseRefusal | None:
+    """Why nobody may have a posture taken: a stop, or a machine on its way down."""
+    newest = lease.loop.newest
+    if lease.stopped:
+        return refusal(when_stopped)
+    if newest.mode in (Mode.TIPPING, Mode.FALLEN) and newest.reason:
+        return refusal(LeaseReason.NO_POSTURE_NOW, why=newest.reason)
+    return None
+
+
+def blocked(
+    other_drives: LeaseRefusal | None, stopped: bool, session: Session, command: Command
+) -> LeaseRefusal | None:
+    """Why this session may not move the machine now."""
+    if other_drives is not None:
+        return other_drives
+    if stopped:
+        return None if session.centred else refusal(LeaseReason.STOPPED)
+    if session.must_centre and not command.holds:
+        return refusal(LeaseReason.CENTRE_FIRST)
+    return None

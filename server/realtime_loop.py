@@ -15,6 +15,7 @@ import threading
 import time
 import traceback
 from collections.abc import Callable
+from dataclasses import dataclass
 
 from walking_console.planner.types import TICK, Command
 from walking_console.sim.requests import Halt, Load, Request, Reset, TakePosture
@@ -32,6 +33,15 @@ HOLD = Command()
 IDLE_TICKS = 10  # a paused world is still published five times a second
 
 log = logging.getLogger(__name__)
+
+
+@dataclass(slots=True)
+class Play:
+    """The scenario's own timeline: asked for, running, and who plays it."""
+
+    player: TimelinePlayer | None = None
+    runs: bool = False
+    is_asked: bool = False
 
 
 class RealtimeLoop:
@@ -53,10 +63,7 @@ class RealtimeLoop:
         self._commands = CommandMailbox()
         self._sit_down = SitDownTimer()
         self._shown = ShownTicks(self.newest.tick, now())
-        # of the scenario's own timeline; of the last time it was played, until another world
-        self.player: TimelinePlayer | None = None
-        self._plays = False
-        self._play_asked = False
+        self._play = Play()
         self._changed = False
         self._ending = False
         self._thread = LoopThread("walking", lambda stopping: asyncio.run(self._walk(stopping)))
@@ -121,12 +128,17 @@ class RealtimeLoop:
     def play(self) -> None:
         """Back to the start, and walk by the scenario's own timeline until somebody drives."""
         self._begin_again(Reset())
-        self._play_asked = True
+        self._play.is_asked = True
+
+    @property
+    def player(self) -> TimelinePlayer | None:
+        """Of the scenario's own timeline: of the last time it was played, until another world."""
+        return self._play.player
 
     @property
     def playing(self) -> bool:
         """Whether it walks by the scenario's own timeline."""
-        return self._plays
+        return self._play.runs
 
     def _begin_again(self, request: Request) -> None:
         self.order(HOLD)
@@ -187,7 +199,7 @@ class RealtimeLoop:
         """
         now = self.now()
         self._take_command(now)
-        if self._play_asked:
+        if self._play.is_asked:
             self._begin_play()
         if not self.pace.paused and self._sit_down.falls_due(now):
             self.take_posture("sit")
@@ -205,34 +217,34 @@ class RealtimeLoop:
         waiting = self._commands.take()
         if waiting is not None:
             self._end_play()
-            self._play_asked = self._play_asked and waiting.command.holds
+            self._play.is_asked = self._play.is_asked and waiting.command.holds
             self.simulation.order(waiting.command, self._ticks_of(waiting.ttl))
         # simulated ticks may have stood still: the dead-man counts wall time
         if not self.pace.paused and self._commands.lapses(now):
             self.simulation.order(HOLD)
 
     def _begin_play(self) -> None:
-        self._play_asked = False
+        self._play.is_asked = False
         self.simulation.serve_requests()
-        self.player = TimelinePlayer(self.simulation)
-        self._plays = True
+        self._play.player = TimelinePlayer(self.simulation)
+        self._play.runs = True
 
     def _end_play(self) -> None:
         """The timeline gives nothing any more; what it has recorded stays."""
-        if self._plays:
-            self._plays = False
+        if self._play.runs:
+            self._play.runs = False
             self._changed = True
             self.simulation.on_input = None
 
     def _step(self) -> None:
         """One tick of the simulation, by the timeline while that is played."""
-        if not self._plays or self.player is None:
+        if not self._play.runs or self._play.player is None:
             self.simulation.step()
             return
-        self.player.give()
+        self._play.player.give()
         self.simulation.step()
-        self.player.note()
-        if self.player.ending is not None:
+        self._play.player.note()
+        if self._play.player.ending is not None:
             self._end_play()
             self.simulation.order(HOLD)
 
