@@ -207,7 +207,6 @@ class Reason(Enum):
         "no way on {where}by any leg, shift, step back, course within 30 degrees or stretched leg: "
         "{because}{cells}"
     )
-    NO_STEP_PASSES = "no way on"
     NO_WAY_ON_AN_ARC = "no sequence of swings and body shifts leads on along the arc"
     NO_WAY_ROUND = (
         "no way round within {width:g} m to either side: {distance:.1f} m ahead {because}"

@@ -22,12 +22,13 @@ Place = Sequence[float]
 
 class Margins(NamedTuple):
     """Of the feet meant to carry, m. ``longitudinal`` is that of the body's origin along its course
-    (H §2.4), ``polygon`` and ``capture`` are those of the true centre of gravity, legs included.
+    (H §2.4), ``polygon`` that of the body's origin, which planners go by, and ``capture`` that of
+    the true centre of gravity, legs included.
     """
 
     longitudinal: float
     polygon: float
-    capture: float  # the polygon's less what a dead stop needs
+    capture: float  # distance from the polygon's edge less what a dead stop needs
 
 
 def true_centre(machine: Machine, body: Place, feet: Sequence[Place]) -> Point:
@@ -57,6 +58,6 @@ def margins_of(
     height = z - left_fold_sum(foot[2] for foot in on) / len(on) if on else 0.0
     return Margins(
         longitudinal,
-        stability.polygon_margin(polygon, x, y),
+        stability.polygon_margin(polygon, body[0], body[1]),
         stability.capture_margin(polygon, x, y, velocity, height),
     )

@@ -178,6 +178,11 @@ def with_settings(data: Mapping[str, Any], settings: Iterable[str]) -> dict[str,
     return changed
 
 
+def _one_line(setting: str) -> str:
+    """A setting as typed, cut, its line ends shown."""
+    return repr(setting[:200])[1:-1]
+
+
 def _put(table: dict[str, Any], parts: list[str], value: Any, setting: str) -> None:
     """Put ``value`` where the path leads; missing tables on the way are made, missing array
     elements are not.
@@ -192,8 +197,9 @@ def _put(table: dict[str, Any], parts: list[str], value: Any, setting: str) -> N
             if not last:
                 place.setdefault(key, {})
         else:
+            where = ".".join(parts[:depth])
             raise ScenarioError(
-                f"--set {setting:.200}: {'.'.join(parts[:depth])!r} is neither a table nor an array"
+                f"--set {_one_line(setting)}: {where!r} is neither a table nor an array"
             )
         if last:
             place[key] = value

@@ -131,7 +131,7 @@ class Expect(Table):
 
     distance_min: float | None = None  # m
     margin_min: float | None = None  # m
-    polygon_margin_min: float | None = None  # m, of the true centre of gravity
+    polygon_margin_min: float | None = None  # m, of the body's own place
     capture_margin_min: float | None = None  # m, the same less what a dead stop needs
     tilt_max_deg: float | None = None  # of the body at most, against level
     forbidden_steps_max: int | None = Field(default=None, ge=0)

@@ -25,7 +25,8 @@ def test_a_run_writes_the_whole_run_directory(run_directory):
         assert {name: log[name].shape for name in log.files} == {
             "t": (200,), "body": (200, 6), "feet": (200, 4, 3), "contact": (200, 4),
             "support": (200, 4), "margin": (200,), "polygon_margin": (200,), "command": (200, 3),
-            "step": (200,), "mode": (200,), "hash": (200,),
+            "step": (200,), "mode": (200,), "hash": (200,), "capture_margin": (200,),
+            "joints": (200, 4, 3), "loads": (200, 4), "planned_loads": (200, 4),
         }  # fmt: skip
         assert (
             log["contact"].dtype == bool

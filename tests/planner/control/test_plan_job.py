@@ -98,7 +98,7 @@ def test_resting_forgets_all_but_a_job_that_is_to_go_on():
 
 
 def test_a_refusal_is_an_answer_too_and_no_ready_step():
-    refusal = Blocked(Reason.NO_STEP_PASSES)
+    refusal = Blocked(Reason.NO_DIRECTION)
     job, _ = job_of(refusal)
     job.consider(STANCE, AHEAD, GROUND, 4)
     assert job.answer(AHEAD) is refusal and job.ready is None

@@ -31,7 +31,7 @@ def test_from_a_standstill_it_walks_as_soon_as_the_step_is_there():
 
 
 def test_what_was_refused_is_not_asked_again_until_command_or_map_changes():
-    refusal = Blocked(Reason.NO_STEP_PASSES)
+    refusal = Blocked(Reason.NO_DIRECTION)
     state, steps = walker(refusal)
     planner = state.job.planner
     for _ in range(3):

@@ -330,7 +330,7 @@ def test_a_planner_of_steps_is_asked_for_another_course_where_it_finds_none():
 
     def steps(stance, command, terrain):
         asked.append(command.crab_angle)
-        return Blocked(Reason.NO_STEP_PASSES)
+        return Blocked(Reason.NO_DIRECTION)
         yield
 
     local = LocalPlanner()

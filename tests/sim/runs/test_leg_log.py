@@ -32,7 +32,7 @@ def test_loads_hold_the_weight_and_joints_are_those_of_the_feet(tmp_path) -> Non
     assert log["loads"].sum(axis=1) == pytest.approx(np.full(TICKS, weight))
     assert (log["loads"][~log["contact"]] == 0.0).all() and not log["contact"].all()
     assert log["joints"][-1].tolist() == [list(joints) for joints in simulation.plant.joints]
-    assert (log["capture_margin"] <= log["polygon_margin"]).all() and "true_body" not in log
+    assert np.isfinite(log["capture_margin"]).all() and "true_body" not in log
 
 
 @pytest.mark.skipif(find_spec("mujoco") is None, reason="an extra")
