@@ -215,13 +215,19 @@ def _cubic(a: Knot, b: Knot, time: float) -> Knot:
     return Knot(time, value, rate)
 
 
-def largest_acceleration(knots: Sequence[Knot]) -> float:
-    """The largest acceleration of the cubic through the knots, m/s² (at an end of a stretch)."""
+def largest_acceleration(
+    knots: Sequence[Knot], start: float = -math.inf, end: float = math.inf
+) -> float:
+    """The largest acceleration of the cubic through the knots, m/s² (at an end of a stretch), in
+    the stretches between two times.
+    """
     largest = 0.0
     for a, b in zip(knots, knots[1:], strict=False):
+        if b.time <= start + ROUNDING or a.time >= end - ROUNDING:
+            continue
         span = max(b.time - a.time, SHORTEST)
         slope = (b.value - a.value) / span
-        start = 2.0 * (3.0 * slope - 2.0 * a.rate - b.rate) / span
-        end = 2.0 * (a.rate + 2.0 * b.rate - 3.0 * slope) / span
-        largest = max(largest, abs(start), abs(end))
+        first = 2.0 * (3.0 * slope - 2.0 * a.rate - b.rate) / span
+        last = 2.0 * (a.rate + 2.0 * b.rate - 3.0 * slope) / span
+        largest = max(largest, abs(first), abs(last))
     return largest

@@ -30,6 +30,7 @@ from .body_path import (
     Knot,
     SupportPhase,
     at,
+    largest_acceleration,
     lateral_bounds,
     meeting,
     monotone_rates,
@@ -343,8 +344,11 @@ class _Way:
         return self._acceleration(0.0, lift) >= self._acceleration(lift, self.table.times[-1])
 
     def _acceleration(self, start: float, end: float) -> float:
-        onward = _accelerations(self.progress, start, end) + _accelerations(self.along, start, end)
-        return math.hypot(_accelerations(self.across, start, end), onward)
+        progress, along, across = (
+            largest_acceleration(knots, start, end)
+            for knots in (self.progress, self.along, self.across)
+        )
+        return math.hypot(across, progress + along)
 
     def foot_hurry(self, machine: Machine) -> float:
         """Speed of the fastest foot against the body, over its limit."""
@@ -498,19 +502,3 @@ def _braking(speed: float, length: float, seconds: float, acceleration: float) -
     if not SOONEST < time < seconds - SOONEST:
         return None
     return Knot(time, speed * time - acceleration * time * time / 2.0, speed - acceleration * time)
-
-
-def _accelerations(knots: Sequence[Knot], start: float, end: float) -> float:
-    """The largest acceleration between two times, m/s²."""
-    largest = 0.0
-    for a, b in zip(knots, knots[1:], strict=False):
-        if b.time <= start + 1e-9 or a.time >= end - 1e-9:
-            continue
-        span = max(b.time - a.time, SOONEST)
-        slope = (b.value - a.value) / span
-        largest = max(
-            largest,
-            abs(2.0 * (3.0 * slope - 2.0 * a.rate - b.rate) / span),
-            abs(2.0 * (a.rate + 2.0 * b.rate - 3.0 * slope) / span),
-        )
-    return largest
