@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal, Protocol, TypeVar
+from typing import Any, Literal, ParamSpec, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,7 @@ from .terrain.map import TerrainMap
 from .types import Blocked, Command, Gait, GaitPreview, Point, Sensing, Stance, StepPlan
 
 Answer = TypeVar("Answer")
+Asked = ParamSpec("Asked")
 GroundT = TypeVar("GroundT", contravariant=True)
 
 # Pauses after each slice of work; send(True): the best step found so far is wanted now.
@@ -272,3 +273,15 @@ def run_to_completion(job: Generator[None, Any, Answer]) -> Answer:
         except StopIteration as done:
             answer: Answer = done.value
             return answer
+
+
+def without_pause(
+    answer: Callable[Asked, Answer],
+) -> Callable[Asked, Generator[None, Any, Answer]]:
+    """What answers at once, as a job that could have paused."""
+
+    def job(*args: Asked.args, **kwargs: Asked.kwargs) -> Generator[None, Any, Answer]:
+        return answer(*args, **kwargs)
+        yield
+
+    return job

@@ -207,10 +207,10 @@ def sampled_path(trace: Mapping[str, Any], machine: Machine, start: Pose) -> Sam
 
 def _standard_stance(machine: Machine, gait: Gait, place: Placement, mode: Capabilities) -> Stance:
     """The standard posture of the first course (gait-dependent, H §4.3), on strides that fit."""
-    crab_angle, pose, height_at = place.crab_angle, place.pose, place.height_at
     if mode.fits_slopes:
-        machine = fitted_at_start(walker_on_slopes(machine, gait), crab_angle, pose, height_at)
-    return standard_stance(machine, gait, crab_angle, *pose, height_at)
+        walker = walker_on_slopes(machine, gait)
+        machine = fitted_at_start(walker, place.crab_angle, place.pose, place.height_at)
+    return standard_stance(machine, gait, place)
 
 
 @register_planner("crab", modes=CRAB_MODES, stance=_standard_stance)

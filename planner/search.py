@@ -131,6 +131,14 @@ def firsts(branches: Iterable[Branch[S, C]]) -> list[Branch[S, C]]:
     return list(best.values())
 
 
+def thinned(found: list[C], most: int) -> list[C]:
+    """At most so many, evenly picked."""
+    count = len(found)
+    if count <= most:
+        return found
+    return [found[(2 * k + 1) * count // (2 * most)] for k in range(most)]
+
+
 def _score(branch: Branch[Any, Any]) -> float:
     return branch.score
 

@@ -19,6 +19,7 @@ MARGIN_SLACK = 0.001  # m; a margin counts as non-negative when it is >= -1 mm
 # m; the simulated machine starts to tip when its centre of gravity is this far outside
 TIP_SLACK = 0.005
 GRAVITY = 9.81  # m/s²
+LOOKS = 3  # places within a stretch of a path at which the least margin is looked for
 OVER = 1e-6  # rad; a window of angles that ended this little ago still counts: rounding
 
 
@@ -157,6 +158,17 @@ def polygon_margin(polygon: Polygon, x: float, y: float) -> float:
             least = distance
         ax = bx
         ay = by
+    return least
+
+
+def polygon_margin_on(path: ArcPath, polygon: Polygon, begin: float, end: float) -> float:
+    """Least polygon margin of the CoG between two s of a path, m, looked at both and ``LOOKS``
+    times in between.
+    """
+    least = math.inf
+    for k in range(LOOKS + 2):
+        x, y, _ = path.pose(begin + k / (LOOKS + 1) * (end - begin))
+        least = min(least, polygon_margin(polygon, x, y))
     return least
 
 

@@ -9,10 +9,10 @@ from collections.abc import Iterable, Iterator
 from copy import copy
 from typing import Any, NamedTuple
 
-from ..geometry.paths import line_exit
+from ..geometry.paths import corners_of_box, line_exit
 from ..geometry.polygons import inside_of, nearest_of
 from ..geometry.transforms import XY
-from ..search import Branch
+from ..search import Branch, thinned
 from ..terrain.cells import FootholdMap, foothold_map, one_of_each_block
 from ..types import Stance
 from .decision_log import DecisionLog, StepRefusal
@@ -215,14 +215,6 @@ def steps_anywhere(posture: Posture, shift: Shift, cells: FootholdMap) -> Iterat
     return one_of_each_block(cells, posture.around(box), SPACING, step_to)
 
 
-def thinned(steps: list[SwingStep], most: int) -> list[SwingStep]:
-    """At most so many, evenly picked."""
-    count = len(steps)
-    if count <= most:
-        return steps
-    return [steps[(2 * k + 1) * count // (2 * most)] for k in range(most)]
-
-
 # shifts of the body on four legs
 
 
@@ -253,7 +245,7 @@ def shift_room(posture: Posture) -> list[XY]:
     x2 = max(min(fx - box[0] for (fx, _), box in reach), 0.0)
     y1 = min(max(fy - box[3] for (_, fy), box in reach), 0.0)
     y2 = max(min(fy - box[2] for (_, fy), box in reach), 0.0)
-    return [(x1, y1), (x2, y1), (x2, y2), (x1, y2)]
+    return corners_of_box((x1, x2, y1, y2))
 
 
 # what is weighed

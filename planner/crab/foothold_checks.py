@@ -15,17 +15,12 @@ from ..geometry.transforms import Body, left_fold_sum
 from ..motion.body_height import body_height, ground_ahead, height_range, torso_clearance
 from ..motion.step_builder import with_feet
 from ..motion.swing import CLEARANCE
-from ..robot.collision import leg_in_the_way, something_tall
+from ..robot.collision import SteppingLegs, something_tall
 from ..types import Point, Stance
 from .decision_log import StepRefusal
 from .gait import Posture
 from .steps import Landing, Shift, StepRequest, SwingStep
 
-# shares of a swing at which the leg that swings is held against tall things; coarser and a pole
-# slips between
-SWEPT = (0.0, 0.25, 0.5, 0.75)
-# shares of a step at which the legs are held against them; 6 cm apart at most
-LEG_CHECKS = (0.25, 0.5, 0.75, 1.0)
 LEVEL = 0.005  # m; feet this close to the height of level ground stand on it: no height to plan
 CLIMB = 0.4  # m the body may rise or sink per m of an arc
 
@@ -51,7 +46,6 @@ class FootholdChecks:
             and all(abs(z - self.level) <= LEVEL for z in self.heights)
             and self.ceiling(self.level + gait.height) >= self.level + CLEARANCE
         )
-        self._met: dict[tuple[int, float], bool] = {}
 
     def ground_at(self, landing: Landing) -> float:
         """Height of the foothold, m."""
@@ -127,7 +121,9 @@ class FootholdChecks:
     def refuses(self, shift: Shift, landing: Landing) -> StepRefusal | None:
         """Why a foothold cannot be used for its height; None when it can."""
         leg = shift.leg
-        if self.has_tall and self._standing_legs_meet(self.nominal.body_leg[leg], shift.g):
+        legs = self.legs_among_tall
+        z = self.stance.body[2]
+        if legs is not None and legs.standing_meet(self.nominal.body_leg[leg], shift.g, z):
             return StepRefusal.STANDING_LEG
         ground = self.ground_at(landing)
         if ground != ground:
@@ -138,52 +134,32 @@ class FootholdChecks:
         height = self._height(shift, landing, ground, limits)
         if self.crest(leg, landing) + CLEARANCE > self.ceiling(height):
             return StepRefusal.LIFT
-        if self.has_tall and (
-            self._new_leg_meets(shift, landing, height) or self._swinging_leg_meets(shift, landing)
-        ):
+        if legs is not None and self._swung_leg_meets(legs, shift, landing, height):
             return StepRefusal.TALL
         return None
 
     @cached_property
-    def has_tall(self) -> bool:
-        """True when something near is tall enough to meet a leg."""
+    def legs_among_tall(self) -> SteppingLegs | None:
+        """The legs as they step, where something near is tall enough to meet one."""
         x, y, _, _ = self.stance.body
-        return something_tall(self.terrain, self.machine, x, y, min(self.heights))
+        if not something_tall(self.terrain, self.machine, x, y, min(self.heights)):
+            return None
+        return SteppingLegs(self.terrain, self.machine, self.stance.feet, self.body_at)
 
-    def _new_leg_meets(self, shift: Shift, landing: Landing, height: float) -> bool:
-        """True when the leg that swings meets ground on its new foothold, as the step ends."""
-        leg = self.nominal.body_leg[shift.leg]
-        return self._meets(shift.g, height, {leg: self.foot_at(landing)})
-
-    def _swinging_leg_meets(self, shift: Shift, landing: Landing) -> bool:
-        """True when the leg that swings, lifted as it is, sweeps through ground on its way."""
-        leg = self.nominal.body_leg[shift.leg]
-        z = self.stance.body[2]
-        from_x, from_y, from_z = self.stance.feet[leg]
-        lifted = max(from_z + self.gait.lift_up, self.crest(shift.leg, landing) + CLEARANCE)
-        top = min(lifted, self.ceiling(z))
-        for share in SWEPT:
-            x = from_x + share * (landing.ax - from_x)
-            y = from_y + share * (landing.ay - from_y)
-            way = shift.g0 + share * (shift.g - shift.g0)
-            if self._meets(way, z, {leg: (x, y, top if share else from_z)}):
-                return True
-        return False
-
-    def _standing_legs_meet(self, u: int, g: float) -> bool:
-        """True when on the way of the step a leg that stays meets ground, whatever the foothold;
-        asked for every cell, so remembered.
+    def _swung_leg_meets(
+        self, legs: SteppingLegs, shift: Shift, landing: Landing, height: float
+    ) -> bool:
+        """True when the leg that swings meets ground as the step ends, or on its way, lifted as it
+        is.
         """
-        if (u, g) not in self._met:
-            z = self.stance.body[2]
-            feet = {leg: foot for leg, foot in enumerate(self.stance.feet) if leg != u}
-            self._met[u, g] = any(self._meets(share * g, z, feet) for share in LEG_CHECKS)
-        return self._met[u, g]
-
-    def _meets(self, way: float, z: float, feet: dict[int, Point]) -> bool:
-        """True when one of these legs meets ground with the body so far along the path, at z."""
-        tips = [feet.get(leg) for leg in range(len(self.stance.feet))]
-        return leg_in_the_way(self.terrain, self.machine, self.body_at(way, z), tips) is not None
+        leg = self.nominal.body_leg[shift.leg]
+        foot = self.foot_at(landing)
+        if legs.meet(shift.g, height, {leg: foot}):
+            return True
+        z = self.stance.body[2]
+        over = self.crest(shift.leg, landing) + CLEARANCE
+        lifted = min(max(self.stance.feet[leg][2] + self.gait.lift_up, over), self.ceiling(z))
+        return legs.swinging_meets(leg, foot[:2], (shift.g0, shift.g), z, lifted)
 
     # what the swing and the torso must clear
 
@@ -201,12 +177,8 @@ class FootholdChecks:
         return low + self.machine.z_range[1] + self.machine.overreach[2]
 
     def torso_needs(self, g: float, height: float) -> float:
-        """Lowest CoG at N_{k+1} at which the torso clears the ground there, m; -inf when ``height``
-        clears all of the map.
+        """Lowest CoG at N_{k+1} at which the torso clears the ground there, m; less than that where
+        ``height`` will do.
         """
-        terrain = self.terrain
-        machine = self.machine
-        if terrain.highest + machine.torso[2] / 2 + CLEARANCE <= height:
-            return -math.inf
         x, y, _, yaw = self.body_at(g, height)
-        return torso_clearance(terrain, machine, x, y, yaw, height)
+        return torso_clearance(self.terrain, self.machine, x, y, yaw, height)

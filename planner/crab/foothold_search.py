@@ -11,17 +11,16 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from ..geometry.paths import Box, line_exit
+from ..geometry.paths import NOWHERE, Box, bounded_by, corners_of_box, line_exit
 from ..geometry.polygons import clipped, nearest_of
 from ..geometry.transforms import XY
-from ..motion.leg_order import PREDECESSOR
+from ..motion.leg_order import FRONT_ACROSS, IS_FRONT, IS_LEFT, PREDECESSOR, REAR_ACROSS
 from ..terrain.cells import FootholdMap, cells_across
 from .decision_log import DecisionLog, StepRefusal, note_cell
-from .gait import FRONT_ACROSS, IS_FRONT, IS_LEFT, REAR_ACROSS, NominalGait, Posture
+from .gait import NominalGait, Posture
 from .steps import Landing
 
 NEAR = 1e-9  # m; rounding: a point this far outside a limit is on it
-NOWHERE = math.inf, -math.inf  # an empty interval
 # looked up once: asked for every cell, and members of an Enum are found slowly
 OUT_OF_REACH = StepRefusal.OUT_OF_REACH
 METHOD_I = StepRefusal.METHOD_I
@@ -204,19 +203,12 @@ def stroke_in(nominal: NominalGait, domain: Domain) -> tuple[float, float]:
     # D_X = base + slope·t
     base = (domain.f_along * across - along * domain.f_across) / spread
     slope = -domain.f_across / spread
-    # each a·t <= b
-    for a, b in (
+    bounds = (
         (slope, domain.limit - base),
         (slope - 1.0, end - base),
         (-slope, base - domain.least),
-    ):
-        if a > 1e-12:
-            high = min(high, b / a)
-        elif a < -1e-12:
-            low = max(low, b / a)
-        elif b < -NEAR:
-            return NOWHERE
-    return (low, high) if low <= high + NEAR else NOWHERE
+    )
+    return bounded_by(bounds, low, high, NEAR)
 
 
 def nearest_in(domain: Domain, x: float, y: float) -> XY | None:
@@ -227,10 +219,8 @@ def nearest_in(domain: Domain, x: float, y: float) -> XY | None:
 
 def corners_of(domain: Domain) -> list[XY]:
     """D_u as a polygon, but for the hyperbola of method I, which ``refuses`` knows."""
-    x1, x2, y1, y2 = domain.box
-    corners = [(x1, y1), (x2, y1), (x2, y2), (x1, y2)]
     side = 1.0 if domain.left else -1.0
-    corners = clipped(corners, -side * domain.uy, side * domain.ux, 0.0)
+    corners = clipped(corners_of_box(domain.box), -side * domain.uy, side * domain.ux, 0.0)
     if domain.hind:
         for bound, sign in ((domain.limit, -side), (domain.least, side)):
             # sign·(D_X - bound) >= 0, multiplied by the spread, whose sign is that of side

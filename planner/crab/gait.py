@@ -14,11 +14,17 @@ import math
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
-from ..geometry.paths import ArcPath, Box, arc_exit, line_exit
+from ..geometry.paths import ArcPath, Box, arc_exit, arc_of_command, line_exit
 from ..geometry.transforms import XY, direction
-from ..initial_stance import HeightAt, standing
-from ..motion.leg_order import LegOrder, order_on, standard_order
-from ..motion.quarter_turns import folded, half_width, quarter_turned, quarter_turns
+from ..initial_stance import Placement, standing
+from ..motion.leg_order import MATES, SAME_SIDE, LegOrder, order_on, standard_order
+from ..motion.quarter_turns import (
+    BODY_LEGS,
+    folded,
+    half_width,
+    quarter_turned,
+    quarter_turns,
+)
 from ..motion.strides import (
     Strokes,
     centres_of,
@@ -28,22 +34,16 @@ from ..motion.strides import (
     strokes_on,
 )
 from ..robot.model import Machine
-from ..types import Gait, Stance
+from ..types import Command, Gait, Stance
 
+# rad per m of s; a path that bends less, one of a kilometre's radius, is walked straight
+STRAIGHT = 1e-3
 # rad; the course keeps this far from α_c, where the CoG would pass over a foot and no triangle can
 # be entered
 TIE = 0.001
 # m a foot may stand outside its reach on an arc when it touches early, at mid-descent (H §4.5)
 EARLY = 0.02
 AGREEMENT = 0.05  # of λ*; two legs standing closer than this to the nominal layout agree with it
-
-IS_FRONT = (True, False, False, True)
-IS_LEFT = (True, True, False, False)
-FRONT_ACROSS = (3, 3, 0, 0)  # f̄, the front leg on the other side
-REAR_ACROSS = (2, 2, 1, 1)  # r̄
-MATES = (3, 2, 1, 0)  # the other leg of the fore pair or of the hind pair
-SAME_SIDE = (1, 0, 3, 2)
-BODY_LEGS = ((0, 1, 2, 3), (1, 2, 3, 0), (2, 3, 0, 1), (3, 0, 1, 2))  # by n, gait leg -> body leg
 
 LegPair = tuple[int, int, float, float]  # legs i, j and the nominal displacement from j to i
 
@@ -169,6 +169,23 @@ def nominal_gait(
     return _on_line(machine, gait.duty_factor, crab_angle, previous, stretched)
 
 
+def nominal_gait_of(
+    command: Command, machine: Machine, gait: Gait, previous: int = -1
+) -> NominalGait:
+    """The nominal walk that a command asks for, on an arc when it turns, else on a line."""
+    if not turns(command, machine):
+        return nominal_gait(machine, gait, command.crab_angle, previous)
+    course = command.crab_angle
+    path, _ = arc_of_command(course, command.speed, command.turn_rate, machine.yaw_length)
+    return nominal_gait_on(machine, gait, path, course)
+
+
+def turns(command: Command, machine: Machine) -> bool:
+    """True when the path of a command bends enough to be an arc."""
+    pace = math.hypot(command.speed, machine.yaw_length * command.turn_rate)
+    return abs(command.turn_rate) > STRAIGHT * pace
+
+
 def nominal_gait_on(
     machine: Machine, gait: Gait, path: ArcPath, crab_angle: float | None = None
 ) -> NominalGait:
@@ -269,28 +286,21 @@ def _pairs(
 # the standard posture
 
 
-def standard_stance(
-    machine: Machine,
-    gait: Gait,
-    crab_angle: float,
-    x: float,
-    y: float,
-    yaw: float,
-    height_at: HeightAt,
-) -> Stance:
+def standard_stance(machine: Machine, gait: Gait, place: Placement) -> Stance:
     """The standard posture: the standard layout at the switching point where canonical leg 3 of H
     swings next. Standing on four C_i instead, the paper's rules mostly end in a limit cycle.
     """
-    nominal = nominal_gait(machine, gait, crab_angle)
+    nominal = nominal_gait(machine, gait, place.crab_angle)
     swing = 2
     ux, uy, _ = nominal.path
+    x, y, yaw = place.pose
     heading = quarter_turned(*direction(yaw), nominal.quarter_turns)
     frame = Posture(nominal, x, y, *heading, (), -1)
     places: list[XY] = [(0.0, 0.0)] * 4
     layout = zip(nominal.body_leg, nominal.centres, nominal.layout_before(swing), strict=True)
     for leg, (cx, cy), ahead in layout:
         places[leg] = frame.absolute(cx + ahead * ux, cy + ahead * uy)
-    stance = standing(machine, gait, (x, y, yaw), places, height_at)
+    stance = standing(machine, gait, place.pose, places, place.height_at)
     last = nominal.body_leg[nominal.order.predecessor[swing]]
     return replace(stance, last_swing=last, quarter_turns=nominal.quarter_turns)
 

@@ -14,12 +14,12 @@ from itertools import chain
 
 from ..geometry.polygons import Polygon, convex_hull
 from ..geometry.transforms import direction
-from ..motion.leg_order import OTHERS, SUCCESSOR
+from ..motion.leg_order import IS_FRONT, OTHERS, SUCCESSOR
 from ..stability import stable_interval, stable_on, support_polygon
 from ..terrain.cells import FootholdMap
 from .decision_log import DecisionLog, StepRefusal, note_cell, note_leg, note_reason
 from .foothold_search import domain_of, landings
-from .gait import AGREEMENT, IS_FRONT, Posture
+from .gait import AGREEMENT, Posture
 from .steps import BodyShift, Landing, Shift, SwingStep
 
 # looked up once: members of an Enum are found slowly

@@ -20,6 +20,7 @@ from ..protocols import (
     PlannerSetup,
     PlanningJob,
     checked_attitude,
+    without_pause,
 )
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
@@ -108,21 +109,9 @@ class CrabPlanner(Planner):
             )
 
 
-def _without_pause(
-    answer: Callable[[StepRequest], StepPlan | Blocked],
-) -> Callable[[StepRequest], PlanningJob]:
-    """A planner that answers at once, as one that could have paused."""
-
-    def job(request: StepRequest) -> PlanningJob:
-        return answer(request)
-        yield
-
-    return job
-
-
 MODES = {"predictive": PREDICTIVE, "paper": PAPER, "naive": NAIVE}
 _JOBS: dict[str, Callable[[StepRequest], PlanningJob]] = {
     "predictive": step_job,
-    "paper": _without_pause(planner.plan_step),
-    "naive": _without_pause(baseline.plan_step),
+    "paper": without_pause(planner.plan_step),
+    "naive": without_pause(baseline.plan_step),
 }

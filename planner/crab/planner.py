@@ -9,11 +9,11 @@ from ..terrain.cells import foothold_map
 from ..types import Blocked, Reason, StepPlan
 from .decision_log import DecisionLog, reasons_of
 from .foothold_checks import FootholdChecks
-from .gait import nominal_gait, posture_of
+from .gait import nominal_gait, posture_of, turns
 from .leg_selection import decide
 from .step_plans import swing_plan
 from .steps import StepRequest, SwingStep
-from .turning import turn_job, turns
+from .turning import turn_job
 
 
 def plan_step(request: StepRequest) -> StepPlan | Blocked:

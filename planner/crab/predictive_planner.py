@@ -6,18 +6,19 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..geometry.transforms import direction
+from ..geometry.transforms import turned_back
 from ..motion.step_builder import changed
 from ..protocols import PlanningJob
 from ..search import uninterruptible
 from ..types import StepPlan
 from .candidates import ON_THE_SPOT, SearchContext, entry_of
 from .decision_log import DecisionLog, note_search
+from .gait import turns
 from .lookahead_search import GETS_ON, STUCK, Branches, SearchResult, choose, standard_way
 from .recovery import blocked, by_stretching, is_strained, way_out
 from .step_plans import plan_of
 from .steps import StepRequest
-from .turning import turn_job, turns
+from .turning import turn_job
 
 LEFT = 0.03  # m; without a way out it still goes on by as much as this
 WAYS_LOGGED = 24  # candidates kept in a decision log
@@ -87,5 +88,5 @@ def first_that_passes(
 def _way(request: StepRequest, plan: StepPlan) -> float:
     """How far the body gets on along the commanded course, m."""
     x, y, _, yaw = request.stance.body
-    c, s = direction(yaw + request.command.crab_angle)
-    return (plan.end.body[0] - x) * c + (plan.end.body[1] - y) * s
+    end_x, end_y, _, _ = plan.end.body
+    return turned_back(end_x - x, end_y - y, yaw + request.command.crab_angle)[0]

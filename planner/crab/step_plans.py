@@ -8,10 +8,11 @@ drive. Between knots the body goes straight: pieces of 0.02 rad are within 0.03 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import replace
+from itertools import chain
 
-from ..geometry.paths import Box, arc_exit
+from ..geometry.paths import arc_exit, corners_of_box
 from ..geometry.transforms import XY, turned_back
 from ..motion.quarter_turns import quarter_turned
 from ..motion.step_builder import plan_of_one_foot, plan_on_all_feet
@@ -166,7 +167,8 @@ def _clock(
         limit = None
     else:
         dx, dy = turned_back(dx, dy, path.turn * step.g0)
-        courses = _courses(nominal, _corners(nominal.far_boxes))
+        # of all that feet reach: where the body goes past fastest
+        courses = _courses(nominal, chain(*map(corners_of_box, nominal.far_boxes)))
         limit = return_limit_on(way, step.g0, corners)
     demand = SwingDemand(
         (dx, dy, over[2] - top[2]),
@@ -210,11 +212,6 @@ def _courses(nominal: NominalGait, places: Iterable[XY]) -> tuple[XY, ...]:
     return tuple(path.rate(x, y) for x, y in places)
 
 
-def _corners(boxes: Iterable[Box]) -> Iterator[XY]:
-    """Of all that feet reach: where the body goes past fastest."""
-    return ((x, y) for x1, x2, y1, y2 in boxes for x in (x1, x2) for y in (y1, y2))
-
-
 def cruise_speed(machine: Machine, gait: Gait, crab_angle: float) -> float:
     """v_max of the nominal walk at a crab angle, m/s: what a command is held against before any
     step is planned.
@@ -233,10 +230,8 @@ def searched(posture: Posture, step: SwingStep) -> list[list[float]]:
     where a search went beyond D_u.
     """
     nominal = posture.nominal
-    x1, x2, y1, y2 = nominal.boxes[step.leg]
-    corners = [
-        nominal.path.placed(x, y, step.g) for x, y in ((x1, y1), (x2, y1), (x2, y2), (x1, y2))
-    ]
+    reach = corners_of_box(nominal.boxes[step.leg])
+    corners = [nominal.path.placed(x, y, step.g) for x, y in reach]
     if nominal.path.turn == 0.0:
         domain = domain_of(posture, step.leg, step.g, step.convergent)
         if domain.refuses(step.landing.x, step.landing.y) is None:

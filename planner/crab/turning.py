@@ -16,21 +16,20 @@ from dataclasses import replace
 from operator import itemgetter
 from typing import NamedTuple
 
-from ..geometry.paths import arc_exit, arc_of_command
+from ..geometry.paths import arc_exit
 from ..geometry.polygons import inside_of
 from ..geometry.transforms import XY, left_fold_sum
 from ..motion.step_builder import changed
 from ..protocols import PlanningJob
-from ..robot.model import Machine
 from ..search import Branch, Option, Search, beam, firsts, uninterruptible
-from ..stability import polygon_margin, stable_on, support_polygon
+from ..stability import polygon_margin_on, stable_on, support_polygon
 from ..terrain.cells import FootholdMap, cells_around, foothold_map
-from ..types import Blocked, Command, Reason, StepPlan
+from ..types import Blocked, Reason, StepPlan
 from .candidates import entry_of, shift_room, shortest_shift
 from .decision_log import DecisionLog, StepRefusal, note_cell, note_leg, note_reason, note_search
 from .foothold_checks import FootholdChecks
 from .foothold_search import phase_point
-from .gait import Posture, nominal_gait_on, posture_of
+from .gait import Posture, nominal_gait_of, posture_of
 from .leg_selection import (
     SLACK,
     STILL,
@@ -43,8 +42,6 @@ from .leg_selection import (
 from .step_plans import plan_of
 from .steps import BodyShift, Candidate, Landing, Shift, StepRequest, SwingStep
 
-# rad per m of s; a path that bends less, one of a kilometre's radius, is walked straight
-STRAIGHT = 1e-3
 # steps a sequence is long, sequences kept, and for how many of its steps feet may come down
 # anywhere in reach
 LOOKS = (
@@ -275,21 +272,14 @@ class TurnSearch:
 # the step that is taken
 
 
-def turns(command: Command, machine: Machine) -> bool:
-    """True when the path of a command bends enough to be an arc."""
-    pace = math.hypot(command.speed, machine.yaw_length * command.turn_rate)
-    return abs(command.turn_rate) > STRAIGHT * pace
-
-
 def turn_job(request: StepRequest) -> PlanningJob:
     """The next step of a turning walk from N_k, or why there is none, slice by slice; always to the
     end, a few ticks of standing at most.
     """
-    command, machine = request.command, request.machine
-    course = command.crab_angle
-    arc, pace = arc_of_command(course, command.speed, command.turn_rate, machine.yaw_length)
-    nominal = nominal_gait_on(machine, request.gait, arc, course)
-    log = request.log(crab_angle=course, turn=arc.turn, stride=nominal.stride)
+    command = request.command
+    nominal = nominal_gait_of(command, request.machine, request.gait)
+    pace = math.hypot(command.speed, request.machine.yaw_length * command.turn_rate)
+    log = request.log(crab_angle=command.crab_angle, turn=nominal.path.turn, stride=nominal.stride)
     posture = posture_of(nominal, request.stance)
     search = TurnSearch(FootholdChecks(posture, request))
     answer: StepPlan | Blocked = Blocked(Reason.NO_WAY_ON_AN_ARC, None, log)
@@ -326,7 +316,7 @@ def _planned(
     way = 0.0
     if isinstance(first, SwingStep):
         way = first.g
-        first = first._replace(margin=least_margin(checks.posture, first))
+        first = first._replace(margin=_least_margin(checks.posture, first))
     plan = plan_of(checks, first, pace, log)
     if isinstance(plan, Blocked):
         return plan
@@ -335,17 +325,11 @@ def _planned(
     return changed(plan, end=end)
 
 
-def least_margin(posture: Posture, step: SwingStep) -> float:
-    """Least polygon margin of a step, looked at along it."""
-    least = math.inf
-    for polygon, low, high in (
-        (support_polygon(posture.feet), 0.0, step.g0),
-        (triangle_of(posture, step.leg), step.g0, step.g),
-    ):
-        for k in range(5):
-            dx, dy, _ = posture.nominal.path.pose(low + k / 4 * (high - low))
-            least = min(least, polygon_margin(polygon, dx, dy))
-    return least
+def _least_margin(posture: Posture, step: SwingStep) -> float:
+    """Least polygon margin of a step, first on all feet, then on those that stay."""
+    path = posture.nominal.path
+    on_four = polygon_margin_on(path, support_polygon(posture.feet), 0.0, step.g0)
+    return min(on_four, polygon_margin_on(path, triangle_of(posture, step.leg), step.g0, step.g))
 
 
 # the decision log, worked out once the step is chosen: a walk that explains itself takes the same

@@ -9,6 +9,7 @@ end is H's g_i, §5.2 (4)-(9)).
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -19,6 +20,13 @@ from numpy.typing import NDArray
 Box = tuple[float, float, float, float]  # x_min, x_max, y_min, y_max in body axes
 EDGE = 1e-9  # m; a foot this far outside its rectangle counts as on the edge: rounding, not a fault
 FOREVER = math.inf
+NOWHERE = FOREVER, -FOREVER  # an empty interval
+
+
+def corners_of_box(box: Box) -> list[tuple[float, float]]:
+    """The four corners of a rectangle, counter-clockwise from the least x and y."""
+    x1, x2, y1, y2 = box
+    return [(x1, y1), (x2, y1), (x2, y2), (x1, y2)]
 
 
 class ArcPath(NamedTuple):
@@ -97,6 +105,22 @@ def arc_of_command(
     return ArcPath(
         speed * math.cos(crab_angle) / pace, speed * math.sin(crab_angle) / pace, turn_rate / pace
     ), pace
+
+
+def bounded_by(
+    bounds: Iterable[tuple[float, float]], low: float, high: float, slack: float
+) -> tuple[float, float]:
+    """The part of the interval [low, high] of t in which a·t <= b for all (a, b); (inf, -inf) when
+    there is none, but for ``slack``.
+    """
+    for a, b in bounds:
+        if a > 1e-12:
+            high = min(high, b / a)
+        elif a < -1e-12:
+            low = max(low, b / a)
+        elif b < -slack:
+            return NOWHERE
+    return (low, high) if low <= high + slack else NOWHERE
 
 
 def line_exit(x: float, y: float, box: Box, ux: float, uy: float) -> float:

@@ -90,7 +90,9 @@ def torso_clearance(
     terrain: TerrainMap, machine: Machine, x: float, y: float, yaw: float, height: float = -math.inf
 ) -> float:
     """Lowest CoG at which the torso at (x, y, yaw) clears the ground, m; looked at exactly only
-    where the quick look wants more than ``height``.
+    where the quick look wants more than ``height``; -inf when that clears all of the map.
     """
+    if terrain.highest + machine.torso[2] / 2 + CLEARANCE <= height:
+        return -math.inf
     needs = torso_needs(terrain, machine, x, y, yaw)
     return needs if needs <= height else torso_needs_exactly(terrain, machine, x, y, yaw)

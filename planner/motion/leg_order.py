@@ -18,6 +18,12 @@ from ..robot.model import Machine
 from ..stability import polygon_margin, support_polygon
 from .strides import Strokes, planning_boxes, strokes_on
 
+IS_FRONT = (True, False, False, True)
+IS_LEFT = (True, True, False, False)
+FRONT_ACROSS = (3, 3, 0, 0)  # f̄, the front leg on the other side
+REAR_ACROSS = (2, 2, 1, 1)  # r̄
+MATES = (3, 2, 1, 0)  # the other leg of the fore pair or of the hind pair
+SAME_SIDE = (1, 0, 3, 2)
 # on a line
 SUCCESSOR = (2, 0, 3, 1)
 PREDECESSOR = (1, 3, 0, 2)  # u* of H table 2

@@ -11,6 +11,7 @@ from ..robot.model import Machine
 from .strides import critical_angle
 
 QUARTER = math.pi / 2
+BODY_LEGS = ((0, 1, 2, 3), (1, 2, 3, 0), (2, 3, 0, 1), (3, 0, 1, 2))  # by n, gait leg -> body leg
 # rad (0.5°) beyond α_c before the gait turns over; smaller: see the legs regroup as the stick
 # trembles near 45°
 HYSTERESIS = 0.009

@@ -9,9 +9,9 @@ this errs on the careful side.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 
-from ..geometry.transforms import placed
+from ..geometry.transforms import XY, Body, placed
 from ..terrain.map import TerrainMap
 from ..types import Point
 from .model import Machine
@@ -21,6 +21,10 @@ TALL = 0.35
 # m of the line nearest the foot that is not looked at: the foothold itself is checked elsewhere
 NEAR_FOOT = 0.06
 BEYOND = 0.3  # m beyond the reach of the legs that is looked at for something tall: a stride
+# shares of a swing at which the leg that swings is looked at; coarser and a pole slips between
+SWEPT = (0.0, 0.25, 0.5, 0.75)
+# shares of a step at which the legs that stand are; 6 cm apart at most
+LEG_CHECKS = (0.25, 0.5, 0.75, 1.0)
 
 
 def something_tall(
@@ -54,6 +58,60 @@ def leg_in_the_way(
             if _meets_ground(terrain, (hip_x, hip_y, z), foot):
                 return leg
     return None
+
+
+class SteppingLegs:
+    """The legs of a machine that takes a step from where it stands, among tall things.
+
+    ``feet`` are where it stands, absolute; ``body_at`` is its body after so many metres of the way,
+    at a height.
+    """
+
+    def __init__(
+        self,
+        terrain: TerrainMap,
+        machine: Machine,
+        feet: Sequence[Point],
+        body_at: Callable[[float, float], Body],
+    ) -> None:
+        self.terrain = terrain
+        self.machine = machine
+        self.feet = feet
+        self.body_at = body_at
+        self._standing: dict[tuple[int, float], bool] = {}
+
+    def meet(self, way: float, z: float, feet: Mapping[int, Point]) -> bool:
+        """True when one of these legs, by the number of the leg, meets ground with the body so far
+        along its way, at height z.
+        """
+        tips = [feet.get(leg) for leg in range(len(self.feet))]
+        return leg_in_the_way(self.terrain, self.machine, self.body_at(way, z), tips) is not None
+
+    def standing_meet(self, swung: int, way: float, z: float) -> bool:
+        """True when a leg that stands while leg ``swung`` swings meets ground somewhere on the way;
+        asked for every foothold, so remembered.
+        """
+        if (swung, way) not in self._standing:
+            feet = {leg: foot for leg, foot in enumerate(self.feet) if leg != swung}
+            met = any(self.meet(share * way, z, feet) for share in LEG_CHECKS)
+            self._standing[swung, way] = met
+        return self._standing[swung, way]
+
+    def swinging_meets(
+        self, leg: int, landing: XY, ways: tuple[float, float], z: float, lifted: float
+    ) -> bool:
+        """True when a leg sweeps through ground on its way to a landing point, its foot at height
+        ``lifted`` while the body goes from the one to the other of ``ways``.
+        """
+        from_x, from_y, from_z = self.feet[leg]
+        begin, end = ways
+        for share in SWEPT:
+            x = from_x + share * (landing[0] - from_x)
+            y = from_y + share * (landing[1] - from_y)
+            foot = (x, y, lifted if share else from_z)
+            if self.meet(begin + share * (end - begin), z, {leg: foot}):
+                return True
+        return False
 
 
 def _meets_ground(terrain: TerrainMap, hip: Point, foot: Point) -> bool:

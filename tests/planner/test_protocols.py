@@ -14,6 +14,7 @@ from walking_console.planner.protocols import (
     PlannerError,
     PlannerSetup,
     run_to_completion,
+    without_pause,
 )
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.terrain.map import TerrainMap
@@ -200,3 +201,8 @@ def test_the_kinematic_plant_says_how_exact_it_is():
     world = prepare(load_scenario("flat"))
     plant = KinematicPlant(world.machine, world.ground, world.stance)
     assert plant.tolerances.held_back == 0.01 and plant.tolerances.same_place == 1e-6
+
+
+def test_what_answers_at_once_is_a_job_that_does_not_pause():
+    assert run_to_completion(without_pause(max)(3, 5, key=abs)) == 5
+    assert list(without_pause(max)(3, 5)) == []

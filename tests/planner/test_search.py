@@ -2,7 +2,15 @@
 
 from itertools import islice
 
-from walking_console.planner.search import Branch, Option, beam, firsts, ranked, rollouts
+from walking_console.planner.search import (
+    Branch,
+    Option,
+    beam,
+    firsts,
+    ranked,
+    rollouts,
+    thinned,
+)
 
 HOLES = {3, 5, 6}
 
@@ -83,3 +91,9 @@ def test_of_equal_ways_the_one_found_first_is_the_best_and_each_first_choice_is_
 
 def test_a_way_that_ends_early_is_slow():
     assert Branch("a", 1, 0.75, 0.75, 2).pace(6) == 0.125
+
+
+def test_many_candidates_are_thinned_evenly():
+    few = thinned(list(range(100)), 10)
+    assert few == [5 + 10 * k for k in range(10)]
+    assert thinned(few, 10) is few

@@ -5,10 +5,12 @@ import math
 import numpy as np
 import pytest
 
+from walking_console.planner.geometry.paths import ArcPath
 from walking_console.planner.stability import (
     energy_margin,
     longitudinal_margin,
     polygon_margin,
+    polygon_margin_on,
     stable_interval,
     support_polygon,
 )
@@ -81,3 +83,14 @@ def test_tipping_over_a_sloping_edge_costs_less_than_over_a_level_one():
     level = [(0.0, -0.5, 0.0), (0.0, 0.5, 0.0), (-1.0, 0.0, 0.0)]
     sloping = [(0.0, -0.5, -0.3), (0.0, 0.5, 0.3), (-1.0, 0.0, 0.0)]
     assert energy_margin(sloping, (-0.3, 0.0, 0.8)) < energy_margin(level, (-0.3, 0.0, 0.8))
+
+
+def test_the_least_margin_on_a_stretch_of_path_is_that_of_its_worst_place():
+    square = support_polygon(SQUARE)
+    ahead = ArcPath(1.0, 0.0)
+    assert polygon_margin_on(ahead, square, 0.0, 0.4) == pytest.approx(0.1)
+    assert polygon_margin_on(ahead, square, 0.4, 0.0) == pytest.approx(0.1)
+    assert polygon_margin_on(ahead, square, -0.2, 0.2) == pytest.approx(0.3)
+    half_round = ArcPath(1.0, 0.0, math.pi / 0.8)
+    middle = 0.8 / math.pi  # its radius: half a turn in 0.8 m ends two of them to the left
+    assert polygon_margin_on(half_round, square, 0.0, 0.8) == pytest.approx(0.5 - 2 * middle)

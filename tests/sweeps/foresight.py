@@ -22,6 +22,7 @@ from tests.planner.crab.crab_walks import plan_at_once
 from walking_console.planner.crab.gait import nominal_gait, standard_stance
 from walking_console.planner.crab.planner import plan_step
 from walking_console.planner.crab.steps import StepRequest
+from walking_console.planner.initial_stance import Placement
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.stability import polygon_margin, support_polygon
 from walking_console.planner.terrain.map import TerrainMap
@@ -198,7 +199,9 @@ def cell_walk(
     plan.
     """
     span, gait, command = 44.0, gait_of(), Command(math.radians(degrees), 0.08)
-    stance = standard_stance(TITAN, gait, command.crab_angle, 0.0, 0.0, 0.0, lambda x, y: 0.0)
+    stance = standard_stance(
+        TITAN, gait, Placement((0.0, 0.0, 0.0), lambda x, y: 0.0, command.crab_angle)
+    )
     forbidden = np.random.default_rng(seed).random((round(span / CELL),) * 2) < fraction
     for x, y, _ in stance.feet:
         forbidden[math.floor((y + span / 2) / CELL), math.floor((x + span / 2) / CELL)] = False
@@ -244,7 +247,9 @@ def crosses(mode: str, width: float, at: float, degrees: float) -> bool:
     middle = -span / 2 + (np.arange(round(span / CELL)) + 0.5) * CELL
     wet = np.broadcast_to((middle > at) & (middle < at + width), (middle.size, middle.size))
     terrain = level((wet.T if degrees == 90 else wet).copy(), span)
-    stance = standard_stance(TITAN, gait, command.crab_angle, 0.0, 0.0, 0.0, lambda x, y: 0.0)
+    stance = standard_stance(
+        TITAN, gait, Placement((0.0, 0.0, 0.0), lambda x, y: 0.0, command.crab_angle)
+    )
     for index, (plan, _) in enumerate(plans(mode, stance, command, terrain, gait)):
         if isinstance(plan, Blocked) or index == 80:
             return False

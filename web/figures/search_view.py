@@ -10,13 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.transforms import Affine2D
 
 from walking_console.planner.crab.foothold_search import domain_of
-from walking_console.planner.crab.gait import (
-    FRONT_ACROSS,
-    IS_FRONT,
-    REAR_ACROSS,
-    Posture,
-)
+from walking_console.planner.crab.gait import Posture
 from walking_console.planner.geometry.paths import Box
+from walking_console.planner.motion.leg_order import FRONT_ACROSS, IS_FRONT, REAR_ACROSS
 
 from ..scene.palette import LEGS
 from .run_data import RecordedWalk

@@ -9,6 +9,7 @@ from walking_console.planner.crab.gait import standard_stance
 from walking_console.planner.crab.planner import plan_step
 from walking_console.planner.crab.predictive_planner import step_job
 from walking_console.planner.crab.steps import StepRequest
+from walking_console.planner.initial_stance import Placement
 from walking_console.planner.protocols import run_to_completion
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.stability import (
@@ -77,7 +78,7 @@ def walk(
     """
     terrain, settings = terrain or holes(), settings or gait(machine=machine)
     stance = stance or standard_stance(
-        machine, settings, command.crab_angle, 0.0, 0.0, yaw, terrain.height_at
+        machine, settings, Placement((0.0, 0.0, yaw), terrain.height_at, command.crab_angle)
     )
     plans = []
     for _ in range(steps):

@@ -10,6 +10,7 @@ from walking_console.planner.crab.baseline import longest_step, plan_step
 from walking_console.planner.crab.gait import nominal_gait, posture_of, standard_stance
 from walking_console.planner.crab.leg_selection import shift_of
 from walking_console.planner.crab.steps import Shift, StepRequest
+from walking_console.planner.initial_stance import Placement
 from walking_console.planner.motion.leg_order import SUCCESSOR
 
 FLAT = holes()
@@ -27,7 +28,7 @@ def naive_walk(stance, steps, terrain=FLAT):
 
 
 def test_from_the_standard_posture_it_walks_the_standard_sequence():
-    stance = standard_stance(TITAN, gait(), 0.0, 0.0, 0.0, 0.0, FLAT.height_at)
+    stance = standard_stance(TITAN, gait(), Placement((0.0, 0.0, 0.0), FLAT.height_at))
     plans = naive_walk(stance, 8)
     assert not isinstance(plans[-1], Blocked)
     legs = [plan.swing[0] for plan in plans]
@@ -64,6 +65,6 @@ def test_the_foot_goes_straight_on_to_the_edge_of_its_reach(degrees):
 
 
 def test_a_prohibited_cell_under_its_one_foothold_blocks_it():
-    stance = standard_stance(TITAN, gait(), 0.0, 0.0, 0.0, 0.0, FLAT.height_at)
+    stance = standard_stance(TITAN, gait(), Placement((0.0, 0.0, 0.0), FLAT.height_at))
     end = naive_walk(stance, 1, holes(1.0))[-1]
     assert isinstance(end, Blocked) and "prohibited cell" in end.text and end.leg == 2

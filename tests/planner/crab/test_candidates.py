@@ -16,7 +16,6 @@ from walking_console.planner.crab.candidates import (
     body_shifts,
     near_steps,
     shift_room,
-    thinned,
     value_of,
     wide_steps,
     within_margin,
@@ -25,6 +24,7 @@ from walking_console.planner.crab.decision_log import StepRefusal
 from walking_console.planner.crab.gait import standard_stance
 from walking_console.planner.crab.leg_selection import triangle_of
 from walking_console.planner.crab.steps import Landing, Shift, StepRequest, SwingStep
+from walking_console.planner.initial_stance import Placement
 from walking_console.planner.stability import polygon_margin
 
 
@@ -93,15 +93,8 @@ def test_a_shift_is_ended_early_for_the_least_margin_or_refused():
     assert within_margin(0.01, StepRefusal.MISSES) is None
 
 
-def test_many_footholds_are_thinned_evenly():
-    many = [Landing(float(k), 0.0, float(k), 0.0) for k in range(100)]
-    few = thinned(many, 10)
-    assert [landing.x for landing in few] == [5.0 + 10 * k for k in range(10)]
-    assert thinned(few, 10) is few
-
-
 def test_a_posture_is_worth_the_way_its_footholds_leave_no_more_than_a_stroke_each():
-    stance = standard_stance(TITAN, gait(), 0.0, 0.0, 0.0, 0.0, lambda x, y: 0.0)
+    stance = standard_stance(TITAN, gait(), Placement((0.0, 0.0, 0.0), lambda x, y: 0.0))
     found = context(stance)
     worth = value_of(found.start.posture)
     assert 0.0 < worth < found.nominal.stride
@@ -111,7 +104,7 @@ def test_a_posture_is_worth_the_way_its_footholds_leave_no_more_than_a_stroke_ea
 
 
 def test_after_enough_steps_on_the_spot_only_one_that_gets_on_is_permitted():
-    stance = standard_stance(TITAN, gait(), 0.0, 0.0, 0.0, 0.0, lambda x, y: 0.0)
+    stance = standard_stance(TITAN, gait(), Placement((0.0, 0.0, 0.0), lambda x, y: 0.0))
     waits = SwingStep(0, 0.0, ON_THE_SPOT / 2, (0.0, 0.0), Landing(0, 0, 0, 0), 0.01, True)
     walks = waits._replace(g=2 * ON_THE_SPOT)
     fresh, stuck = context(stance), context(replace(stance, still=STILL_MAX))
@@ -123,12 +116,12 @@ def test_after_enough_steps_on_the_spot_only_one_that_gets_on_is_permitted():
 
 def test_on_uneven_ground_nodes_carry_the_heights_of_their_feet():
     terrain = relief(0.2, 3, span=8.0)
-    stance = standard_stance(TITAN, gait(), 0.0, 0.0, 0.0, 0.0, terrain.height_at)
+    stance = standard_stance(TITAN, gait(), Placement((0.0, 0.0, 0.0), terrain.height_at))
     found = context(stance, 0.0, terrain)
     step = next(near_steps(found, found.start, (0.03,), 1))
     reached = found.after(found.start, step)
     leg = found.nominal.body_leg[step.leg]
     assert reached.stance.feet[leg][2] == terrain.height_at(step.landing.ax, step.landing.ay)
     assert reached.stance.last_swing == leg
-    flat = context(standard_stance(TITAN, gait(), 0.0, 0.0, 0.0, 0.0, lambda x, y: 0.0))
+    flat = context(standard_stance(TITAN, gait(), Placement((0.0, 0.0, 0.0), lambda x, y: 0.0)))
     assert flat.start.stance is None

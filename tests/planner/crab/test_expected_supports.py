@@ -10,6 +10,7 @@ from walking_console.planner.crab.expected_supports import AHEAD, expected_suppo
 from walking_console.planner.crab.gait import standard_stance
 from walking_console.planner.crab.planner import plan_step
 from walking_console.planner.crab.steps import StepRequest
+from walking_console.planner.initial_stance import Placement
 from walking_console.planner.stability import support_polygon
 from walking_console.planner.types import Phase, StepPlan
 
@@ -17,7 +18,9 @@ from walking_console.planner.types import Phase, StepPlan
 def standard_walk(angle, steps):
     """So many steps of the walk over level ground at a crab angle, from the standard posture."""
     order = command(angle, 0.08)
-    stance = standard_stance(TITAN, gait(), order.crab_angle, 0.0, 0.0, 0.0, lambda x, y: 0.0)
+    stance = standard_stance(
+        TITAN, gait(), Placement((0.0, 0.0, 0.0), lambda x, y: 0.0, order.crab_angle)
+    )
     plans = []
     for _ in range(steps):
         plan = plan_step(StepRequest(stance, order, holes(), TITAN, gait()))
@@ -49,6 +52,6 @@ def test_the_supports_that_come_are_those_that_were_expected(angle):
 
 def test_after_a_step_in_which_nobody_swung_nothing_is_expected():
     order, plans = standard_walk(0, 1)
-    standing = standard_stance(TITAN, gait(), 0.0, 0.0, 0.0, 0.0, lambda x, y: 0.0)
+    standing = standard_stance(TITAN, gait(), Placement((0.0, 0.0, 0.0), lambda x, y: 0.0))
     still = replace(plans[0], end=replace(standing, last_swing=-1))
     assert expected_supports(still, order, TITAN, gait()) == ()

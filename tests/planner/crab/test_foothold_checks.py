@@ -10,6 +10,8 @@ from walking_console.planner.crab.gait import nominal_gait, posture_of, standard
 from walking_console.planner.crab.leg_selection import decide
 from walking_console.planner.crab.planner import plan_step
 from walking_console.planner.crab.steps import Shift, StepRequest
+from walking_console.planner.initial_stance import Placement
+from walking_console.planner.robot.collision import TALL
 from walking_console.planner.terrain.cells import foothold_map
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.terrain.traversability import classify
@@ -70,7 +72,7 @@ def test_a_low_block_between_the_feet_raises_the_body():
 def test_a_foothold_too_high_for_the_lift_is_refused_and_the_reason_noted():
     heights = np.where(np.arange(200)[None, :] * 0.05 - 5.0 > 0.72, 0.45, 0.0) * np.ones((200, 1))
     ledge = TerrainMap(heights, np.zeros(heights.shape, dtype=bool), 0.05, (-5.0, -5.0))
-    stance = standard_stance(TITAN, gait(), 0.0, 0.0, 0.0, 0.0, ledge.height_at)
+    stance = standard_stance(TITAN, gait(), Placement((0.0, 0.0, 0.0), ledge.height_at))
     reasons = set()
     for _ in range(12):
         plan = plan_step(StepRequest(stance, command(), ledge, TITAN, gait(), explain=True))
@@ -89,7 +91,7 @@ def test_the_leg_that_swings_is_not_swept_through_a_pole():
     hip and foot.
     """
     settings = gait()
-    stance = standard_stance(TITAN, settings, 0.0, 0.0, 0.0, 0.0, lambda x, y: 0.0)
+    stance = standard_stance(TITAN, settings, Placement((0.0, 0.0, 0.0), lambda x, y: 0.0))
     nominal = nominal_gait(TITAN, settings, 0.0)
     posture = posture_of(nominal, stance)
     step = decide(posture, foothold_map(holes()))
@@ -105,5 +107,8 @@ def test_the_leg_that_swings_is_not_swept_through_a_pole():
         heights[row, column] = height
         terrain = TerrainMap(heights, open_ground.forbidden, open_ground.cell, open_ground.origin)
         checks = FootholdChecks(posture, StepRequest(stance, command(), terrain, TITAN, settings))
-        assert not checks._new_leg_meets(shift, step.landing, TITAN.height)
+        assert (checks.legs_among_tall is None) == (height < TALL)
+        if checks.legs_among_tall is not None:
+            foot = checks.foot_at(step.landing)
+            assert not checks.legs_among_tall.meet(shift.g, TITAN.height, {leg: foot})
         assert checks.refuses(shift, step.landing) == refusal, height

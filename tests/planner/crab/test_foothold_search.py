@@ -15,8 +15,6 @@ from walking_console.planner.crab.foothold_search import (
     stroke_in,
 )
 from walking_console.planner.crab.gait import (
-    IS_FRONT,
-    IS_LEFT,
     Posture,
     nominal_gait,
     posture_of,
@@ -25,7 +23,8 @@ from walking_console.planner.crab.gait import (
 from walking_console.planner.crab.leg_selection import shift_of
 from walking_console.planner.crab.steps import Shift
 from walking_console.planner.geometry.paths import line_exit
-from walking_console.planner.motion.leg_order import PREDECESSOR
+from walking_console.planner.initial_stance import Placement
+from walking_console.planner.motion.leg_order import IS_FRONT, IS_LEFT, PREDECESSOR
 from walking_console.planner.terrain.cells import foothold_map
 
 REACH = TITAN.reach
@@ -177,7 +176,7 @@ def test_the_search_goes_sideways_first_then_row_by_row_from_the_stroke_line():
     nominal = nominal_gait(TITAN, gait(), 0.0)
     terrain = holes(0.0, span=4.0)
     posture = posture_of(
-        nominal, standard_stance(TITAN, gait(), 0.0, 0.0, 0.0, 0.0, terrain.height_at)
+        nominal, standard_stance(TITAN, gait(), Placement((0.0, 0.0, 0.0), terrain.height_at))
     )
     shift = shift_of(posture, 2)
     domain = domain_of(posture, 2, shift.g, True)

@@ -16,6 +16,7 @@ from walking_console.planner.crab.gait import (
 )
 from walking_console.planner.crab.leg_selection import return_length
 from walking_console.planner.geometry.paths import ArcPath
+from walking_console.planner.initial_stance import Placement
 from walking_console.planner.motion.quarter_turns import quarter_turned
 from walking_console.planner.motion.strides import LIFT_ROOM, critical_angle
 from walking_console.planner.stability import stable_interval, support_polygon
@@ -79,7 +80,7 @@ def test_exactly_at_the_critical_angle_the_machine_walks_on(duty_factor):
 def test_at_a_switching_point_the_last_foot_is_at_the_front_of_its_stroke():
     for degrees in range(-180, 181, 15):
         settings, angle = gait(), math.radians(degrees)
-        stance = standard_stance(TITAN, settings, angle, 1.0, -2.0, 0.3, FLAT)
+        stance = standard_stance(TITAN, settings, Placement((1.0, -2.0, 0.3), FLAT, angle))
         nominal = nominal_gait(TITAN, settings, angle)
         posture = posture_of(nominal, stance)
         assert return_length(posture, posture.last) == pytest.approx(0.0, abs=1e-12)
@@ -89,12 +90,12 @@ def test_at_a_switching_point_the_last_foot_is_at_the_front_of_its_stroke():
 
 
 def test_the_standard_posture_stands_on_the_ground_with_the_body_above_it():
-    stance = standard_stance(TITAN, gait(), 0.0, 0.0, 0.0, 0.0, lambda x, y: 0.1 * x)
+    stance = standard_stance(TITAN, gait(), Placement((0.0, 0.0, 0.0), lambda x, y: 0.1 * x))
     for x, _, z in stance.feet:
         assert z == pytest.approx(0.1 * x)
     assert stance.body[2] == pytest.approx(sum(foot[2] for foot in stance.feet) / 4 + TITAN.height)
     over_a_hole = standard_stance(
-        TITAN, gait(), 0.0, 0.0, 0.0, 0.0, lambda x, y: math.nan if x > 0 and y > 0 else 0.2
+        TITAN, gait(), Placement((0.0, 0.0, 0.0), lambda x, y: math.nan if x > 0 and y > 0 else 0.2)
     )
     assert [foot[2] for foot in over_a_hole.feet] == [pytest.approx(0.2)] * 4
 

@@ -8,7 +8,6 @@ import pytest
 from tests.planner.crab.crab_walks import TITAN, Blocked, command, gait, holes, random_stance, walk
 from walking_console.planner.crab.decision_log import StepRefusal
 from walking_console.planner.crab.gait import (
-    IS_FRONT,
     Posture,
     nominal_gait,
     posture_of,
@@ -24,7 +23,8 @@ from walking_console.planner.crab.leg_selection import (
     return_length,
     shift_of,
 )
-from walking_console.planner.motion.leg_order import SUCCESSOR
+from walking_console.planner.initial_stance import Placement
+from walking_console.planner.motion.leg_order import IS_FRONT, SUCCESSOR
 from walking_console.planner.terrain.cells import foothold_map
 
 AHEAD = nominal_gait(TITAN, gait(), 0.0)
@@ -132,7 +132,9 @@ def test_in_the_standard_layout_the_standard_leg_swings_next(degrees, duty_facto
     nominal = nominal_gait(TITAN, settings, math.radians(degrees))
     seen = posture_of(
         nominal,
-        standard_stance(TITAN, settings, math.radians(degrees), 0.0, 0.0, 0.0, lambda x, y: 0.0),
+        standard_stance(
+            TITAN, settings, Placement((0.0, 0.0, 0.0), lambda x, y: 0.0, math.radians(degrees))
+        ),
     )
     for _ in range(8):
         order = leg_order(seen)
@@ -163,7 +165,7 @@ def test_where_nothing_agrees_the_longest_return_goes_first():
 
 def test_the_cheap_roll_out_agrees_with_the_plan():
     angle, settings, ground = math.radians(28), gait(), holes(0.5, seed=3)
-    stance = standard_stance(TITAN, settings, angle, 0.0, 0.0, 0.7, ground.height_at)
+    stance = standard_stance(TITAN, settings, Placement((0.0, 0.0, 0.7), ground.height_at, angle))
     nominal = nominal_gait(TITAN, settings, angle)
     seen = posture_of(nominal, stance)
     for plan in walk(command(28), 20, ground, settings, stance):

@@ -22,6 +22,7 @@ from walking_console.planner.crab.lookahead_search import (
     stays_standard,
 )
 from walking_console.planner.crab.steps import BodyShift, StepRequest
+from walking_console.planner.initial_stance import Placement
 from walking_console.planner.protocols import run_to_completion
 from walking_console.planner.terrain.map import TerrainMap
 
@@ -29,7 +30,9 @@ OPEN = holes(span=12.0)
 
 
 def standing(degrees=0.0):
-    return standard_stance(TITAN, gait(), math.radians(degrees), 0.0, 0.0, 0.0, OPEN.height_at)
+    return standard_stance(
+        TITAN, gait(), Placement((0.0, 0.0, 0.0), OPEN.height_at, math.radians(degrees))
+    )
 
 
 def context(stance, degrees=0.0, terrain=OPEN):

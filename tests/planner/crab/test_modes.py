@@ -5,12 +5,13 @@ import pytest
 from tests.planner.crab.crab_walks import TITAN, command, gait, holes
 from walking_console.planner.crab.gait import standard_stance
 from walking_console.planner.crab.modes import MODES, CrabPlanner
+from walking_console.planner.initial_stance import Placement
 from walking_console.planner.navigation.local_planner import RouteState
 from walking_console.planner.protocols import PlannerError, PlannerSetup, run_to_completion
 from walking_console.planner.types import Blocked, StepPlan
 
 FLAT = holes(span=12.0)
-STANCE = standard_stance(TITAN, gait(), 0.0, 0.0, 0.0, 0.0, FLAT.height_at)
+STANCE = standard_stance(TITAN, gait(), Placement((0.0, 0.0, 0.0), FLAT.height_at))
 
 
 def crab(mode, **settings):

@@ -22,6 +22,7 @@ from tests.planner.crab.crab_walks import (
 from walking_console.planner.crab.gait import standard_stance
 from walking_console.planner.crab.planner import plan_step
 from walking_console.planner.crab.steps import StepRequest
+from walking_console.planner.initial_stance import Placement
 from walking_console.planner.robot.model import MachineError, load_machine
 from walking_console.planner.types import Command
 
@@ -63,7 +64,7 @@ TOO_FAR_AT_ONCE = {45, -135}
 def test_from_straight_ahead_it_turns_to_every_crab_angle_and_finds_the_standard_gait_again(
     degrees,
 ):
-    stance = standard_stance(TITAN, gait(), 0.0, 0.0, 0.0, 0.0, lambda x, y: 0.0)
+    stance = standard_stance(TITAN, gait(), Placement((0.0, 0.0, 0.0), lambda x, y: 0.0))
     plans = walk(command(degrees), 28, stance=stance)
     if degrees in TOO_FAR_AT_ONCE:
         assert isinstance(plans[-1], Blocked)
@@ -133,7 +134,7 @@ def test_a_plan_cannot_be_changed():
 
 
 def test_with_nowhere_to_land_it_says_of_every_leg_why():
-    stance = standard_stance(TITAN, gait(), 0.0, 0.0, 0.0, 0.0, lambda x, y: 0.0)
+    stance = standard_stance(TITAN, gait(), Placement((0.0, 0.0, 0.0), lambda x, y: 0.0))
     blocked = plan_step(StepRequest(stance, command(), holes(1.0), TITAN, gait()))
     assert isinstance(blocked, Blocked)
     assert blocked.leg == 2
@@ -144,7 +145,7 @@ def test_with_nowhere_to_land_it_says_of_every_leg_why():
 
 def test_asked_to_explain_it_tells_legs_limits_and_refused_cells():
     ground = holes(0.7, seed=8)
-    stance = standard_stance(TITAN, gait(), 0.0, 0.0, 0.0, 0.0, ground.height_at)
+    stance = standard_stance(TITAN, gait(), Placement((0.0, 0.0, 0.0), ground.height_at))
     for _ in range(10):
         plan = plan_step(StepRequest(stance, command(), ground, TITAN, gait(), explain=True))
         silent = plan_step(StepRequest(stance, command(), ground, TITAN, gait()))
@@ -174,4 +175,6 @@ def test_the_course_walked_adds_up():
 def test_a_machine_without_four_mirrored_legs_is_refused():
     hexapod = load_machine("hexapod")
     with pytest.raises(MachineError, match="four-legged"):
-        standard_stance(hexapod, gait(machine=hexapod), 0.0, 0.0, 0.0, 0.0, lambda x, y: 0.0)
+        standard_stance(
+            hexapod, gait(machine=hexapod), Placement((0.0, 0.0, 0.0), lambda x, y: 0.0)
+        )

@@ -22,6 +22,7 @@ from walking_console.planner.crab.gait import is_standard, off_standard, standar
 from walking_console.planner.crab.planner import plan_step
 from walking_console.planner.crab.predictive_planner import step_job
 from walking_console.planner.crab.steps import StepRequest
+from walking_console.planner.initial_stance import Placement
 from walking_console.planner.stability import MARGIN_SLACK, polygon_margin, support_polygon
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.types import Blocked, Phase, Stance, StepPlan
@@ -30,14 +31,16 @@ LOWER = 0.001  # m below s0 that still counts as the standard margin
 
 
 def start(degrees, settings, terrain):
-    return standard_stance(TITAN, settings, math.radians(degrees), 0.0, 0.0, 0.0, terrain.height_at)
+    return standard_stance(
+        TITAN, settings, Placement((0.0, 0.0, 0.0), terrain.height_at, math.radians(degrees))
+    )
 
 
 def walk(order, steps, terrain, stance=None, settings=None):
     """Plans of a predictive walk, each looked at; ends early with a ``Blocked``."""
     settings = settings or gait()
     stance = stance or standard_stance(
-        TITAN, settings, order.crab_angle, 0.0, 0.0, 0.0, terrain.height_at
+        TITAN, settings, Placement((0.0, 0.0, 0.0), terrain.height_at, order.crab_angle)
     )
     plans = []
     for _ in range(steps):

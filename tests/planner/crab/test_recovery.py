@@ -20,6 +20,7 @@ from tests.planner.crab.crab_walks import (
 from walking_console.planner.crab import predictive_planner, recovery
 from walking_console.planner.crab.gait import nominal_gait, standard_stance
 from walking_console.planner.crab.steps import StepRequest
+from walking_console.planner.initial_stance import Placement
 from walking_console.planner.motion.strides import STRETCHED_LIFT_ROOM
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.types import Blocked, StepPlan
@@ -63,7 +64,7 @@ def walk(order, terrain, until, steps=60, stance=None):
     """
     settings = gait()
     stance = stance or standard_stance(
-        TITAN, settings, order.crab_angle, 0.0, 0.0, 0.0, terrain.height_at
+        TITAN, settings, Placement((0.0, 0.0, 0.0), terrain.height_at, order.crab_angle)
     )
     ux, uy = math.cos(order.crab_angle), math.sin(order.crab_angle)
     plans = []

@@ -41,7 +41,9 @@ def inclined(degrees: float, heading: float = 0.0, span: float = 12.0) -> Terrai
 
 
 def start(terrain: TerrainMap, course: float = 0.0, machine: Machine = TITAN) -> Stance:
-    return standard_stance(machine, GAIT, math.radians(course), 0.0, 0.0, 0.0, terrain.height_at)
+    return standard_stance(
+        machine, GAIT, Placement((0.0, 0.0, 0.0), terrain.height_at, math.radians(course))
+    )
 
 
 def test_the_start_posture_of_the_printed_modes_stays_as_it_was() -> None:

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from tests.planner.crab.crab_walks import TITAN, gait, holes, random_stance
-from walking_console.planner.crab.gait import nominal_gait_on, standard_stance
+from walking_console.planner.crab.gait import nominal_gait_on, standard_stance, turns
 from walking_console.planner.crab.planner import plan_step
 from walking_console.planner.crab.steps import StepRequest
-from walking_console.planner.crab.turning import turns
 from walking_console.planner.geometry.paths import ArcPath, arc_exit, arc_of_command
+from walking_console.planner.initial_stance import Placement
 from walking_console.planner.stability import (
     MARGIN_SLACK,
     polygon_margin,
@@ -38,7 +38,7 @@ def walk(command, turned, terrain=LEVEL, duty_factor=0.8, stance=None, steps=600
     """
     settings = gait(duty_factor)
     stance = stance or standard_stance(
-        TITAN, settings, command.crab_angle, 0.0, 0.0, 0.0, terrain.height_at
+        TITAN, settings, Placement((0.0, 0.0, 0.0), terrain.height_at, command.crab_angle)
     )
     plans, yaw = [], stance.body[3]
     for _ in range(steps):
@@ -243,7 +243,7 @@ def test_with_feet_at_the_edges_of_their_reach_it_gets_on_within_seven_steps(fra
 
 def test_it_answers_alike_every_time_and_says_why_when_asked():
     settings, command = gait(), on_circle(1.0, 20.0)
-    stance = standard_stance(TITAN, settings, 0.0, 0.0, 0.0, 0.0, LEVEL.height_at)
+    stance = standard_stance(TITAN, settings, Placement((0.0, 0.0, 0.0), LEVEL.height_at))
     request = StepRequest(stance, command, LEVEL, TITAN, settings, explain=True)
     one, two = (plan_step(request) for _ in range(2))
     assert np.array_equal(one.feet, two.feet) and one.decision == two.decision
@@ -254,7 +254,7 @@ def test_it_answers_alike_every_time_and_says_why_when_asked():
 @pytest.mark.parametrize("radius", [0.0, 1.0])
 def test_a_step_of_a_turn_says_of_every_leg_what_came_of_it(radius):
     settings, terrain, command = gait(), holes(0.5, seed=4), on_circle(radius, 20.0)
-    stance = standard_stance(TITAN, settings, 0.0, 0.0, 0.0, 0.0, terrain.height_at)
+    stance = standard_stance(TITAN, settings, Placement((0.0, 0.0, 0.0), terrain.height_at))
     reasons, cells = set(), 0
     for _ in range(30):
         plan = plan_step(StepRequest(stance, command, terrain, TITAN, settings, explain=True))
@@ -284,7 +284,7 @@ def test_a_step_of_a_turn_says_of_every_leg_what_came_of_it(radius):
 
 
 def test_where_no_foot_may_land_it_says_so():
-    stance = standard_stance(TITAN, gait(), 0.0, 0.0, 0.0, 0.0, LEVEL.height_at)
+    stance = standard_stance(TITAN, gait(), Placement((0.0, 0.0, 0.0), LEVEL.height_at))
     command, plans = on_circle(0.0), []
     for _ in range(12):
         plan = plan_step(StepRequest(stance, command, holes(1.0), TITAN, gait()))

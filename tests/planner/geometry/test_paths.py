@@ -5,7 +5,15 @@ import math
 import numpy as np
 import pytest
 
-from walking_console.planner.geometry.paths import ArcPath, arc_of_command, line_exit, line_segment
+from walking_console.planner.geometry.paths import (
+    NOWHERE,
+    ArcPath,
+    arc_of_command,
+    bounded_by,
+    corners_of_box,
+    line_exit,
+    line_segment,
+)
 
 BOX = (0.20, 0.70, 0.30, 0.65)  # titan3, front left
 
@@ -16,6 +24,18 @@ def test_the_exit_is_h_equations_4_to_9():
     # (8): (y − y0 − y*) / sin α
     assert line_exit(0.45, 0.475, BOX, 0.0, -1.0) == pytest.approx(0.175)
     assert line_exit(0.45, 0.475, BOX, -1.0, 0.0) == pytest.approx(0.25)
+
+
+def test_an_interval_is_cut_by_every_bound_and_empty_where_one_leaves_nothing():
+    assert bounded_by([(2.0, 3.0), (-1.0, 0.5)], -4.0, 4.0, 0.0) == (-0.5, 1.5)
+    assert bounded_by([(0.0, 0.1)], -4.0, 4.0, 0.0) == (-4.0, 4.0)
+    assert bounded_by([(0.0, -0.1)], -4.0, 4.0, 0.0) == NOWHERE
+    assert bounded_by([(1.0, 1.0), (-1.0, -1.1)], -4.0, 4.0, 0.0) == NOWHERE
+    assert bounded_by([(1.0, 1.0), (-1.0, -1.1)], -4.0, 4.0, 0.2) == (1.1, 1.0)
+
+
+def test_the_corners_of_a_box_go_round_it_to_the_left():
+    assert corners_of_box((0.0, 2.0, 1.0, 4.0)) == [(0, 1), (2, 1), (2, 4), (0, 4)]
 
 
 def test_an_exit_already_passed_is_negative():

@@ -12,6 +12,7 @@ from walking_console.planner.crab.gait import standard_stance
 from walking_console.planner.crab.planner import plan_step
 from walking_console.planner.crab.steps import StepRequest
 from walking_console.planner.geometry.transforms import seen
+from walking_console.planner.initial_stance import Placement
 from walking_console.planner.motion.body_sway import bounds_of, swayed
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.stability import polygon_margin, support_polygon
@@ -29,7 +30,9 @@ def walked(
 ) -> list[tuple[Stance, StepPlan, StepPlan]]:
     """So many steps over level ground: where each begins, as it was decided, and swayed."""
     command = Command(math.radians(angle), speed)
-    stance = standard_stance(TITAN, gait, command.crab_angle, 0.0, 0.0, 0.0, lambda x, y: 0.0)
+    stance = standard_stance(
+        TITAN, gait, Placement((0.0, 0.0, 0.0), lambda x, y: 0.0, command.crab_angle)
+    )
     out = []
     for _ in range(steps):
         decided = plan_step(StepRequest(stance, command, FLAT, TITAN, gait))

@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 
 from walking_console.planner.geometry.transforms import placed
-from walking_console.planner.robot.collision import TALL, leg_in_the_way, something_tall
+from walking_console.planner.robot.collision import (
+    TALL,
+    SteppingLegs,
+    leg_in_the_way,
+    something_tall,
+)
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.terrain.map import TerrainMap
 
@@ -58,3 +63,36 @@ def test_only_what_stands_near_and_tall_is_worth_a_look() -> None:
     far = ground(TALL + 0.05, 1.9, 1.9)
     assert math.hypot(1.9, 1.9) > 2.0
     assert not something_tall(far, TITAN, -1.0, -1.0, 0.0)
+
+
+def stepping(terrain: TerrainMap) -> SteppingLegs:
+    """Legs of a body that goes straight ahead."""
+    body, feet = standing()
+    return SteppingLegs(terrain, TITAN, feet, lambda way, z: (body[0] + way, body[1], z, 0.0))
+
+
+def test_a_leg_that_stands_meets_a_post_beside_the_way_of_its_body_but_not_while_it_swings() -> (
+    None
+):
+    way = 0.2
+    (hip_x, hip_y), (foot_x, foot_y) = TITAN.hips[0], TITAN.legs[0].centre
+    post = ((hip_x + way + foot_x) / 2, (hip_y + foot_y) / 2)
+    legs = stepping(ground(0.8, *post))
+    assert legs.standing_meet(2, way, TITAN.height)
+    assert not legs.standing_meet(0, way, TITAN.height)
+    assert not legs.meet(0.0, TITAN.height, {1: standing()[1][1]})
+    assert not stepping(ground(0.15, *post)).standing_meet(2, way, TITAN.height)
+
+
+def test_a_swing_meets_a_post_halfway_that_its_ends_are_clear_of() -> None:
+    x, y, _ = standing()[1][0]
+    begin, end = (x - 0.2, y), (x + 0.2, y)
+    hip_x, hip_y = TITAN.hips[0]
+    post = ((hip_x + x) / 2, (hip_y + y) / 2)
+    for height, met in ((0.8, True), (0.15, False)):
+        body, feet = standing()
+        feet[0] = (*begin, 0.0)
+        legs = SteppingLegs(ground(height, *post), TITAN, feet, lambda way, z: (way, 0.0, z, 0.0))
+        for foot in (begin, end):
+            assert not legs.meet(0.0, body[2], {0: (*foot, 0.0)})
+        assert legs.swinging_meets(0, end, (0.0, 0.0), body[2], 0.1) == met
