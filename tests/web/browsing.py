@@ -1,17 +1,19 @@
 """A real browser on a real server: how to start both, press and look."""
 
+import contextlib
 import io
 import json
 import os
 import shutil
 import time
+import urllib.error
 import urllib.request
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Protocol
 
 import pytest
 from PIL import Image, ImageChops
-from playwright.sync_api import Page
+from playwright.sync_api import Browser, BrowserContext, Page
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 SOFTWARE_DRAWING = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
@@ -20,6 +22,13 @@ PATIENCE = 60.0  # s; software drawing on a busy machine is slow
 POLL = 60  # ms
 
 ERRORS: list[str] = []  # of the page, as they came
+# Drawing by software takes most of two cores, and what is tested is seldom the picture.
+DRAW_SELDOM = """if (window.parent !== window) {
+  const draw = window.requestAnimationFrame.bind(window);
+  window.requestAnimationFrame = (act) => setTimeout(() => draw(act), 100);
+  window.cancelAnimationFrame = clearTimeout;
+}"""
+SCENE = "**/view/"
 VISER_EVAL = "Evaluating a string as JavaScript"  # viser tries to, and is refused
 
 BROWSER = os.environ.get("WALKING_CONSOLE_BROWSER") or next(
@@ -64,6 +73,17 @@ def load(address: str, body: dict[str, Any]) -> None:
     ).close()
 
 
+def begin_anew(address: str) -> None:
+    """The world every test finds, whatever the one before it left."""
+    load(address, {"name": "flat"})
+    left = now(address)
+    if left["paused"]:
+        tell(address, "resume")
+    if left["stopped"]:
+        with contextlib.suppress(urllib.error.HTTPError):  # a page still holds the lease
+            tell(address, "rearm")
+
+
 def until(page: Page, holds: Callable[[], bool]) -> None:
     """Let the page run until something holds; fails when it never does."""
     end = time.monotonic() + PATIENCE
@@ -74,6 +94,55 @@ def until(page: Page, holds: Callable[[], bool]) -> None:
     said = page.inner_text("#toast")
     seen = now(page.url.split("?")[0].rstrip("/"))
     raise AssertionError(f"still not so after {PATIENCE:g} s, last said: {said!r}: {seen}")
+
+
+class Visit(Protocol):
+    """Opens a page on the console, at a size in px."""
+
+    def __call__(
+        self,
+        width: int = 900,
+        height: int = 620,
+        path: str = "/?stand",
+        *,
+        scene: bool = False,
+        **options: Any,
+    ) -> Page: ...
+
+
+class Visits:
+    """Pages on one console; without the scene they cost next to nothing."""
+
+    def __init__(self, address: str, browser: Browser) -> None:
+        self.address = address
+        self.browser = browser
+        self.contexts: list[BrowserContext] = []
+
+    def open(
+        self,
+        width: int = 900,
+        height: int = 620,
+        path: str = "/?stand",
+        *,
+        scene: bool = False,
+        **options: Any,
+    ) -> Page:
+        """A page that has had its first picture of the machine."""
+        context = self.browser.new_context(viewport={"width": width, "height": height}, **options)
+        self.contexts.append(context)
+        context.set_default_timeout(PATIENCE * 1000)
+        context.add_init_script(DRAW_SELDOM)
+        if not scene:
+            context.route(SCENE, lambda route: route.fulfill(body=""))
+        page = context.new_page()
+        page.on("pageerror", lambda error: ERRORS.append(str(error)))
+        page.goto(self.address + path)
+        page.wait_for_selector("body.live")
+        return page
+
+    def close(self) -> None:
+        for context in self.contexts:
+            context.close()
 
 
 def picture(page: Page) -> Image.Image:
@@ -152,6 +221,15 @@ class Fingers:
         box = self.page.locator(selector).bounding_box()
         assert box is not None
         return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+    def drive_until(self, holds: Callable[[], bool]) -> None:
+        """The first finger drives ahead until something holds."""
+        press_until(self.page, self._drive, lambda: self.lift(0), holds)
+
+    def _drive(self) -> None:
+        x, y = self.middle("#stick")
+        self.press(0, x, y)
+        self.move(0, x, y - 60)
 
     def press(self, finger: int, x: float, y: float) -> None:
         self.down[finger] = (x, y)

@@ -9,7 +9,18 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from tests.web.browsing import BROWSER, ERRORS, FLAGS, Fingers, detail, now, picture, tell, until
+from tests.web.browsing import (
+    BROWSER,
+    FLAGS,
+    Fingers,
+    Visit,
+    Visits,
+    begin_anew,
+    detail,
+    now,
+    picture,
+    until,
+)
 
 
 @pytest.fixture(scope="session")
@@ -62,49 +73,46 @@ def browser() -> Iterator[Browser]:
 @pytest.fixture(scope="session")
 def opened(address: str, browser: Browser) -> Iterator[Page]:
     """The console in one page; opened once, since the first drawing takes software a while."""
-    page = browser.new_page(viewport={"width": 900, "height": 620})
-    page.on("pageerror", lambda error: ERRORS.append(str(error)))
-    page.goto(f"{address}/?stand")
-    page.wait_for_selector("body.live")
+    visits = Visits(address, browser)
+    page = visits.open(scene=True)
     until(
         page, lambda: page.frames[1].locator("canvas").count() > 0 and detail(picture(page)) > 8.0
     )
     yield page
-    page.close()
+    visits.close()
 
 
 @pytest.fixture
 def page(address: str, opened: Page) -> Iterator[Page]:
-    """The open page, the machine at its start."""
-    tell(address, "reset")
+    """The open page, in the world it was opened on."""
+    begin_anew(address)
     yield opened
     opened.mouse.up()
 
 
 @pytest.fixture
-def phone(address: str, browser: Browser) -> Iterator[Page]:
+def visit(address: str, browser: Browser) -> Iterator[Visit]:
+    """Opens further pages, which are closed at the end of the test, however it ends."""
+    begin_anew(address)
+    visits = Visits(address, browser)
+    yield visits.open
+    visits.close()
+
+
+@pytest.fixture
+def phone(address: str, visit: Visit) -> Page:
     """The console on a phone held sideways."""
-    tell(address, "reset")
-    context = browser.new_context(
-        viewport={"width": 844, "height": 390}, has_touch=True, is_mobile=True
-    )
-    page = context.new_page()
-    page.goto(f"{address}/?stand")
-    page.wait_for_selector("body.live")
+    page = visit(844, 390, has_touch=True, is_mobile=True)
     if page.locator("#take").is_visible():
         page.tap("#take")
-    yield page
-    context.close()
+    return page
 
 
 @pytest.fixture
 def fingers(address: str, phone: Page) -> Iterator[Fingers]:
     """Fingers on that phone, the first of them driving ahead."""
     found = Fingers(phone)
-    x, y = found.middle("#stick")
-    found.press(0, x, y)
-    found.move(0, x, y - 60)
-    until(phone, lambda: now(address)["walked_m_s"] > 0.0)
+    found.drive_until(lambda: now(address)["walked_m_s"] > 0.0)
     yield found
     if 0 in found.down:
         found.lift(0)

@@ -3,9 +3,8 @@
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser
 
-from tests.web.browsing import IN_A_BROWSER
+from tests.web.browsing import IN_A_BROWSER, Visit
 
 AXE = Path(__file__).resolve().parents[2] / "node_modules" / "axe-core" / "axe.min.js"
 SIZES = [(1440, 900), (1024, 768), (844, 390), (390, 844), (720, 450)]  # the last: 200 % zoom
@@ -17,12 +16,8 @@ pytestmark = [
 
 
 @pytest.mark.parametrize("size", SIZES)
-def test_axe_finds_nothing_serious(address: str, browser: Browser, size: tuple[int, int]) -> None:
-    viewport = {"width": size[0], "height": size[1]}
-    context = browser.new_context(viewport=viewport, bypass_csp=True)  # type: ignore[arg-type]
-    page = context.new_page()
-    page.goto(f"{address}/?stand")
-    page.wait_for_selector("body.live")
+def test_axe_finds_nothing_serious(visit: Visit, size: tuple[int, int]) -> None:
+    page = visit(*size, bypass_csp=True)
     for opened in ("", "document.querySelector('#view-button').click()", "help"):
         if opened == "help":
             page.keyboard.press("?")
@@ -36,4 +31,3 @@ def test_axe_finds_nothing_serious(address: str, browser: Browser, size: tuple[i
             if violation["impact"] in ("serious", "critical")
         ]
         assert bad == []
-    context.close()

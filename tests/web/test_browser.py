@@ -3,13 +3,14 @@ stops it.
 """
 
 import pytest
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Page
 
 from tests.web.browsing import (
     ERRORS,
     IN_A_BROWSER,
     VISER_EVAL,
     Fingers,
+    Visit,
     changed,
     drag_until,
     key_until,
@@ -253,10 +254,8 @@ def test_one_press_acts_once(address: str, page: Page) -> None:
     until(page, lambda: not now(address)["paused"])
 
 
-def test_closing_the_page_stops_the_machine(address: str, page: Page, browser: Browser) -> None:
-    other = browser.new_page(viewport={"width": 900, "height": 620})
-    other.goto(f"{address}/?stand")
-    other.wait_for_selector("body.live")
+def test_closing_the_page_stops_the_machine(address: str, page: Page, visit: Visit) -> None:
+    other = visit()
     other.click("#take") if other.locator("#take").is_visible() else None
     drag_until(other, 0.0, 1.0, lambda: now(address)["walked_m_s"] > 0.0)
     other.close()

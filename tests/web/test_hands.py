@@ -9,9 +9,9 @@ import subprocess
 from collections.abc import Iterator
 
 import pytest
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Page
 
-from tests.web.browsing import IN_A_BROWSER, drag_until, key_until, now, until
+from tests.web.browsing import IN_A_BROWSER, Visit, drag_until, key_until, now, until
 
 pytestmark = IN_A_BROWSER
 
@@ -142,12 +142,10 @@ def test_a_stop_is_not_released_while_the_stick_is_held(address: str, page: Page
 
 @pytest.mark.parametrize("size", [(320, 568), (360, 225), (390, 844), (844, 390), (1024, 768)])
 def test_stop_and_stick_are_on_the_screen_at_every_size(
-    address: str, browser: Browser, size: tuple[int, int]
+    visit: Visit, size: tuple[int, int]
 ) -> None:
     """360 × 225 is a window of 1440 × 900 at 400 %."""
-    page = browser.new_page(viewport={"width": size[0], "height": size[1]})
-    page.goto(f"{address}/?stand")
-    page.wait_for_selector("body.live")
+    page = visit(*size)
     for control in ("#stop", "#stick"):
         box = page.locator(control).bounding_box()
         assert box is not None and box["x"] >= 0 and box["y"] >= 0
@@ -157,4 +155,3 @@ def test_stop_and_stick_are_on_the_screen_at_every_size(
     page.locator("#attitudes").scroll_into_view_if_needed()
     page.locator("[data-posture=sit]").scroll_into_view_if_needed()
     assert page.evaluate(hit, middle(page, "#stop")) == "stop"
-    page.close()

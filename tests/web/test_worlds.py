@@ -6,21 +6,19 @@ import math
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Page
 
-from tests.web.browsing import IN_A_BROWSER, drag_until, holder, load, now, until
+from tests.web.browsing import IN_A_BROWSER, Visit, drag_until, holder, load, now, until
 
 pytestmark = IN_A_BROWSER
 
 
 def test_a_hexapod_chosen_in_the_list_walks_by_stick(address: str, page: Page) -> None:
-    load(address, {"name": "flat"})
     page.locator("#robot").select_option("hexapod")
     until(page, lambda: now(address)["robot"] == "hexapod")
     assert now(address)["planner"] == "trace" and not now(address)["given_trace"]
     drag_until(page, -1.0, 0.0, lambda: now(address)["body"][1] > 0.05)
     page.mouse.up()
-    load(address, {"name": "flat"})
 
 
 def test_a_given_trace_is_walked_by_itself_and_given_up_for_a_free_stick(
@@ -35,7 +33,6 @@ def test_a_given_trace_is_walked_by_itself_and_given_up_for_a_free_stick(
     until(page, lambda: not now(address)["given_trace"])
     drag_until(page, 0.0, 1.0, lambda: now(address)["distance_m"] > 0.02)
     page.mouse.up()
-    load(address, {"name": "flat"})
 
 
 def test_the_end_of_a_trace_is_an_arrival(address: str, page: Page) -> None:
@@ -48,21 +45,18 @@ def test_the_end_of_a_trace_is_an_arrival(address: str, page: Page) -> None:
     assert page.inner_text("#banner strong") == "Arrived"
     assert page.locator("#banner[data-tone=good]").count() == 1
     assert page.locator("#again").is_visible() and page.locator("#free-stick").is_visible()
-    load(address, {"name": "flat"})
 
 
 def test_a_page_opens_on_a_machine_that_walks_and_the_first_touch_takes_over(
-    address: str, page: Page, browser: Browser
+    address: str, page: Page, visit: Visit
 ) -> None:
     until(page, lambda: holder(address)["x-lease"] == "")
-    other = browser.new_page(viewport={"width": 900, "height": 620})
-    other.goto(address)
+    other = visit(path="/")
     until(page, lambda: now(address)["playing"] and now(address)["walked_m_s"] > 0.0)
     until(page, lambda: "by itself" in other.inner_text("#course-text"))
     left = pytest.approx(math.pi / 2, abs=0.05)
     drag_until(other, -1.0, 0.0, lambda: now(address)["crab_angle_rad"] == left)
     assert not now(address)["playing"]
-    other.close()
 
 
 def test_arrow_keys_move_a_focused_slider_and_nothing_else(address: str, page: Page) -> None:
@@ -77,9 +71,9 @@ def test_arrow_keys_move_a_focused_slider_and_nothing_else(address: str, page: P
 
 
 def test_arrow_keys_look_through_a_list_and_enter_loads(address: str, page: Page) -> None:
-    load(address, {"name": "flat"})
     chosen = page.locator("#scenario")
     until(page, lambda: chosen.input_value() == "flat")
+    chosen.dispatch_event("pointerdown")  # opened, and closed again on the same choice
     chosen.focus()
     page.keyboard.press("ArrowDown")
     page.wait_for_timeout(700)
@@ -90,7 +84,6 @@ def test_arrow_keys_look_through_a_list_and_enter_loads(address: str, page: Page
     assert page.evaluate("document.activeElement.id") == "scenario"
     page.keyboard.press("Escape")
     chosen.blur()
-    load(address, {"name": "flat"})
 
 
 def test_the_margin_of_the_feet_that_carry_is_shown_when_one_has_lost_the_ground(
@@ -114,18 +107,15 @@ def test_the_margin_of_the_feet_that_carry_is_shown_when_one_has_lost_the_ground
 
 
 def test_a_watcher_changes_nothing_while_another_drives(
-    address: str, page: Page, browser: Browser
+    address: str, page: Page, visit: Visit
 ) -> None:
-    other = browser.new_page(viewport={"width": 900, "height": 620})
-    other.goto(f"{address}/?stand")
-    other.wait_for_selector("body.live")
+    other = visit()
     drag_until(page, 0.0, 1.0, lambda: now(address)["walked_m_s"] > 0.0)
     until(other, lambda: other.inner_text("#lease") == "another page drives")
     other.click("#reset")
     until(other, lambda: other.inner_text("#toast") == "another page is driving")
     assert now(address)["distance_m"] > 0.0
     page.mouse.up()
-    other.close()
 
 
 def test_what_a_scenario_expects_is_ticked_off_at_its_end(address: str, page: Page) -> None:
@@ -142,4 +132,3 @@ def test_what_a_scenario_expects_is_ticked_off_at_its_end(address: str, page: Pa
     assert page.inner_text("#expected .bad").startswith("margin at least 9")
     page.click("#again")
     until(page, lambda: now(address)["playing"] and not page.locator("#expected").is_visible())
-    load(address, {"name": "flat"})

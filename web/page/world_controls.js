@@ -174,6 +174,7 @@ function onChoice(list, act) {
     looks = false;
   });
   list.addEventListener("keydown", ({ key, altKey }) => {
+    open = false; // an open list keeps its keys for itself
     if (key === "Enter" && looks) act();
     looks = key !== "Enter" && (looks || !altKey) && key !== "Tab" && key !== "Escape";
   });
