@@ -100,12 +100,21 @@ class Mode(IntEnum):
     REGROUP = 14  # going back into the standard layout
 
 
+class HeldCourse(NamedTuple):
+    """The course that is walked while the hand trembles, and how the hand has been, rad."""
+
+    angle: float  # α that steps are planned for
+    mean: float  # of the crab angles commanded at the last switching points
+    tremor: float  # mean distance of those from their mean
+
+
 @dataclass(frozen=True, slots=True)
 class Stance:
     """The machine at a step-switching point N_k, and all a planner may remember (H §4.1, §5).
 
     ``feet`` are foot tips, in leg order. ``last_swing`` is u of the step before, −1 when none.
-    ``quarter_turns`` is n of H table 1, kept for the hysteresis at α_c, −1 when none yet.
+    ``quarter_turns`` is n of H table 1, kept for the hysteresis at α_c, −1 when none yet;
+    ``held_course`` is what the hand that trembles at α_c is judged by, None when none is held.
     ``lifted`` are legs that stay in the air across the switch (K only). ``course`` is the distance
     already walked on the trace. ``still`` counts the steps since the body last got on (the
     lookahead's guard against walking on the spot). ``lean`` is the gradient of the body's floor
@@ -130,6 +139,7 @@ class Stance:
     lean: tuple[float, float] = (0.0, 0.0)
     sway: tuple[float, float] = (0.0, 0.0)  # x, y of the body from the reference, m
     velocity: tuple[float, float] = (0.0, 0.0)  # of the body, m/s
+    held_course: HeldCourse | None = None
 
     @property
     def place(self) -> tuple[float, float, float, float]:

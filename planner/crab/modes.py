@@ -30,6 +30,7 @@ from .expected_supports import expected_supports
 from .gait import AGREEMENT, off_standard
 from .predictive_planner import step_job
 from .slope_adaptation import SlopeAdaptation
+from .steady_course import holding, steadied
 from .steps import StepRequest
 
 # The crab walk has a standard margin of 0 at β = 0.75 (H §4.3 (3)).
@@ -81,10 +82,14 @@ class CrabPlanner(Planner):
         return self._local.route
 
     def plan(self, stance: Stance, command: Command, terrain: TerrainMap) -> PlanningJob:
-        answer = yield from self._plan(stance, command, terrain)
-        if isinstance(answer, Blocked) or not self._gait.sways:
+        steady, held = steadied(command, stance, self._machine)
+        answer = yield from self._plan(stance, steady, terrain)
+        if isinstance(answer, Blocked):
             return answer
-        ahead = expected_supports(answer, command, self._machine, self._gait)
+        answer = holding(answer, held)
+        if not self._gait.sways:
+            return answer
+        ahead = expected_supports(answer, steady, self._machine, self._gait)
         return swayed(answer, stance, ahead, self._gait, self._machine)
 
     def heed(self, command: Command) -> Command:

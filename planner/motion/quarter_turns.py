@@ -50,3 +50,8 @@ def half_width(machine: Machine, n: int) -> float:
     """The greatest crab angle in the frame turned by n quarter turns, α_c'."""
     critical = critical_angle(machine)
     return QUARTER - critical if n % 2 else critical
+
+
+def beside_critical(machine: Machine, crab_angle: float) -> float:
+    """How far a crab angle is from the nearest boundary between two quarter turns, rad."""
+    return min(abs(abs(folded(crab_angle, n)) - half_width(machine, n)) for n in range(4))
