@@ -10,6 +10,7 @@ from collections.abc import Callable
 from functools import partial
 
 from ..motion.body_sway import swayed
+from ..motion.steady_course import holding, steadied
 from ..navigation.local_planner import LocalPlanner, RouteState
 from ..protocols import (
     BodyAttitude,
@@ -27,10 +28,9 @@ from ..terrain.map import TerrainMap
 from ..types import Blocked, Command, Stance, StepPlan
 from . import baseline, planner
 from .expected_supports import expected_supports
-from .gait import AGREEMENT, off_standard
+from .gait import AGREEMENT, off_standard, turns
 from .predictive_planner import step_job
 from .slope_adaptation import SlopeAdaptation
-from .steady_course import holding, steadied
 from .steps import StepRequest
 
 # The crab walk has a standard margin of 0 at β = 0.75 (H §4.3 (3)).
@@ -82,14 +82,16 @@ class CrabPlanner(Planner):
         return self._local.route
 
     def plan(self, stance: Stance, command: Command, terrain: TerrainMap) -> PlanningJob:
-        steady, held = steadied(command, stance, self._machine)
-        answer = yield from self._plan(stance, steady, terrain)
+        held = None
+        if not turns(command, self._machine):
+            command, held = steadied(command, stance, self._machine)
+        answer = yield from self._plan(stance, command, terrain)
         if isinstance(answer, Blocked):
             return answer
         answer = holding(answer, held)
         if not self._gait.sways:
             return answer
-        ahead = expected_supports(answer, steady, self._machine, self._gait)
+        ahead = expected_supports(answer, command, self._machine, self._gait)
         return swayed(answer, stance, ahead, self._gait, self._machine)
 
     def heed(self, command: Command) -> Command:

@@ -1,5 +1,7 @@
 """Hirose's planner in its three modes."""
 
+from dataclasses import replace
+
 import pytest
 
 from tests.planner.crab.crab_walks import TITAN, command, gait, holes
@@ -8,7 +10,7 @@ from walking_console.planner.crab.modes import MODES, CrabPlanner
 from walking_console.planner.initial_stance import Placement
 from walking_console.planner.navigation.local_planner import RouteState
 from walking_console.planner.protocols import PlannerError, PlannerSetup, run_to_completion
-from walking_console.planner.types import Blocked, StepPlan
+from walking_console.planner.types import Blocked, Command, HeldCourse, StepPlan
 
 FLAT = holes(span=12.0)
 STANCE = standard_stance(TITAN, gait(), Placement((0.0, 0.0, 0.0), FLAT.height_at))
@@ -65,3 +67,12 @@ def test_where_no_cell_may_be_trodden_on_no_leg_swings_and_soon_it_says_why(mode
         assert answer.swing == ()
         stance = answer.end
     assert isinstance(answer, Blocked) and answer.reason
+
+
+def test_a_course_that_turns_is_not_held():
+    stance = replace(STANCE, held_course=HeldCourse(0.8, 0.8, 0.01))
+    turning = Command(0.8, 0.08, turn_rate=0.1)
+    plan = run_to_completion(crab("predictive").plan(stance, turning, FLAT))
+    assert isinstance(plan, StepPlan) and plan.end.held_course is None
+    straight = run_to_completion(crab("predictive").plan(stance, Command(0.8, 0.08), FLAT))
+    assert straight.end.held_course.angle == 0.8

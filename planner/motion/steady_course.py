@@ -10,11 +10,10 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from ..motion.quarter_turns import beside_critical
-from ..motion.step_builder import changed
 from ..robot.model import Machine
 from ..types import Command, HeldCourse, Stance, StepPlan
-from .turning import turns
+from .quarter_turns import beside_critical
+from .step_builder import changed
 
 # rad from α_c within which a course is held; less: see the order of legs change as the stick
 # trembles beside the diagonal, more: see it follow small corrections late elsewhere
@@ -29,17 +28,13 @@ TREMOR = math.radians(0.8)  # mean deviation of a hand not known yet: normal, of
 APART = 3.5
 
 
-def steadied(
-    command: Command, stance: Stance, machine: Machine
-) -> tuple[Command, HeldCourse | None]:
-    """The command a step is planned for and what is held from it on; None on a turning course.
+def steadied(command: Command, stance: Stance, machine: Machine) -> tuple[Command, HeldCourse]:
+    """The command on a straight course that a step is planned for, and what is held from it on.
 
     Within ``NEAR`` of α_c the course of the step before stays as long as the mean of what is
     commanded stays within ``APART`` of the hand's own tremor: a hand that trembles by 1° walks as a
     steady one, and a steady hand gets the very course it asks for after a few steps.
     """
-    if turns(command, machine):
-        return command, None
     angle = command.crab_angle
     held = stance.held_course
     if held is None:

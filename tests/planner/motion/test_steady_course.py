@@ -5,7 +5,7 @@ import random
 
 import pytest
 
-from walking_console.planner.crab.steady_course import MEANT, NEAR, steadied
+from walking_console.planner.motion.steady_course import MEANT, NEAR, steadied
 from walking_console.planner.motion.strides import critical_angle
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.types import Command, HeldCourse, Stance
@@ -53,12 +53,6 @@ def test_away_from_the_critical_angle_every_command_is_walked_as_it_comes(off: f
     if abs(off) > 1.5:
         hand = [abs(each) for each in hand]
     assert courses(hand) == hand
-
-
-def test_a_course_that_turns_is_not_held() -> None:
-    stance = Stance((0.0, 0.0, 0.85, 0.0), FEET, held_course=HeldCourse(CRITICAL, CRITICAL, 0.01))
-    command = Command(CRITICAL + 0.01, 0.08, turn_rate=0.1)
-    assert steadied(command, stance, TITAN) == (command, None)
 
 
 def test_the_boundary_at_a_half_turn_is_no_jump() -> None:
