@@ -16,6 +16,7 @@ import numpy as np
 
 from ..geometry.transforms import attitude_of, direction, rotation, turned_back, turned_back_by
 from ..robot.model import Leg, Machine
+from ..robot.quadrants import ordered
 from ..stability import polygon_margin, support_polygon
 from ..terrain.map import TerrainMap
 from ..types import TICK, Point, Stance, StepPlan
@@ -272,10 +273,6 @@ def reaches(
                 min(y2, cr * spec.y[1] + min(across)),
             )
     return largest, boxes
-
-
-def ordered(a: float, b: float) -> tuple[float, float]:
-    return (a, b) if a <= b else (b, a)
 
 
 def rounded(value: float, grain: float) -> float:

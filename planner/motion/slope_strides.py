@@ -22,11 +22,12 @@ import numpy as np
 from ..geometry.paths import Box
 from ..geometry.transforms import Pose, direction
 from ..robot.model import Machine
+from ..robot.quadrants import SIDES, mirrored_part
 from ..terrain.slope import slope_at
 from ..types import Array, Gait
 from .body_tilt import LEVEL, Lean, in_body, reaches, rounded
 from .strides import stroke_length
-from .tilted_reach import SIDES, change_of, mirrored_part, with_box
+from .tilted_reach import change_of, with_box
 
 # of the longest stride any lean allows; 1: see it hardly lean at all, 0.3: see it creep with its
 # nose in the air

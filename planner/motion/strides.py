@@ -54,7 +54,8 @@ def kept(overreach: float, stretched: bool) -> float:
 
 def planning_boxes(machine: Machine, quarter_turns: int, stretched: bool) -> Boxes:
     """Where footholds are planned, one rectangle for each quadrant of the body frame turned by so
-    many quarter turns; odd numbers swap (x0, x*) with (y0, y*) (H table 1).
+    many quarter turns; odd numbers swap (x0, x*) with (y0, y*) (H table 1). Of legs that are not
+    mirrored it is the part they have in common.
     """
     over_x, over_y, _ = machine.overreach
     return _widened(machine, quarter_turns, -kept(over_x, stretched), -kept(over_y, stretched))
@@ -67,7 +68,7 @@ def mechanical_boxes(machine: Machine, quarter_turns: int) -> Boxes:
 
 
 def _widened(machine: Machine, quarter_turns: int, more_x: float, more_y: float) -> Boxes:
-    x1, x2, y1, y2 = machine.boxes[0]
+    x1, x2, y1, y2 = machine.mirrored_box
     spans = [(x1 - more_x, x2 + more_x), (y1 - more_y, y2 + more_y)]
     if quarter_turns % 2:
         spans.reverse()

@@ -13,14 +13,13 @@ from dataclasses import replace
 
 from ..geometry.paths import Box
 from ..robot.model import Leg, Machine
+from ..robot.quadrants import SIDES, mirrored_part, ordered
 from ..types import Gait
-from .body_tilt import LEVEL, Lean, ordered, reaches
+from .body_tilt import LEVEL, Lean, reaches
 
 # H a second of every leg's speed kept for the lean itself, per m/m that changes in a step; 0: see
 # feet land aside
 TURNING = 3.5
-
-SIDES = ((1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0))  # of the legs of H
 
 
 def whole_reach(machine: Machine, gait: Gait, leans: Sequence[Lean]) -> Machine | None:
@@ -36,17 +35,6 @@ def whole_reach(machine: Machine, gait: Gait, leans: Sequence[Lean]) -> Machine 
     x1, x2, y1, y2 = box
     whole = x1, x1 + (x2 - x1), y1, y1 + (y2 - y1)  # as lengths are added when only a part fits
     return with_box(machine, gait, leans, whole, machine.z_range, cosine)
-
-
-def mirrored_part(boxes: Sequence[Box]) -> Box | None:
-    """The largest box that, mirrored to four quadrants, lies in all four; None without one."""
-    x = [ordered(sx * box[0], sx * box[1]) for box, (sx, _) in zip(boxes, SIDES, strict=True)]
-    y = [ordered(sy * box[2], sy * box[3]) for box, (_, sy) in zip(boxes, SIDES, strict=True)]
-    x1 = max(low for low, _ in x)
-    x2 = min(high for _, high in x)
-    y1 = max(low for low, _ in y)
-    y2 = min(high for _, high in y)
-    return (x1, x2, y1, y2) if x2 > x1 and y2 > y1 else None
 
 
 def change_of(leans: Sequence[Lean]) -> float:

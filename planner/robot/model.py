@@ -12,6 +12,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
+from ..geometry.paths import Box
 from ..types import Gait
 from .card import (
     LENGTH_MAX,
@@ -28,6 +29,7 @@ from .card import (
     word,
 )
 from .chains import Drives, JointSpan, LegChain, Masses, slides_chain
+from .quadrants import mirrored_part
 from .toml_files import TomlFileError, is_file, names_toml_file, parse_toml, read_toml
 from .workspace import fitted_box, out_of_reach
 
@@ -40,6 +42,7 @@ LEGS_SHARE = 0.12
 LINK_SHARES = (0.25, 0.45, 0.30)
 FOOT_MAX = 0.5  # m
 CRAB_LEGS = 4
+LEAST_BOX = 0.02  # m; a box the crab planner cannot take a step in
 
 
 class MachineError(ValueError):
@@ -172,8 +175,11 @@ class Machine:
         )
 
     @cached_property
-    def reach(self) -> Reach:
-        """H's symmetric box; raises ``MachineError`` when this machine does not have one (the crab
+    def mirrored_box(self) -> Box:
+        """The reach rectangle of H's front left leg: what is common to all four legs, mirrored.
+
+        Of a machine whose centre of gravity lies off the middle of its legs, or whose hips differ,
+        this is less than every leg reaches. Raises ``MachineError`` where there is none (the crab
         planner needs it).
         """
         if len(self.legs) != CRAB_LEGS:
@@ -181,22 +187,23 @@ class Machine:
                 "the crab planner walks four-legged machines; "
                 f"{self.name!r} has {len(self.legs)} legs"
             )
-        first = self.legs[0]
-        x_span, y_span, z_span = (
-            round(span[1] - span[0], 12) for span in (first.x, first.y, first.z)
-        )
-        reach = Reach(first.x[0], x_span, first.y[0], y_span, -first.z[1], z_span)
-        for leg, (sx, sy) in zip(self.legs, ((1, 1), (-1, 1), (-1, -1), (1, -1)), strict=True):
-            mirrored = (*sorted(sx * v for v in first.x), *sorted(sy * v for v in first.y))
-            if (
-                any(abs(a - b) > 1e-9 for a, b in zip(leg.box, mirrored, strict=True))
-                or leg.z != first.z
-            ):
-                raise MachineError(
-                    "the crab planner needs one reach box mirrored to four quadrants; "
-                    f"leg {leg.name!r} differs"
-                )
-        return reach
+        box = mirrored_part(self.boxes)
+        if box is None or box[1] - box[0] < LEAST_BOX or box[3] - box[2] < LEAST_BOX:
+            raise MachineError(
+                "the crab planner walks with the box that the four legs have in common when they "
+                "are mirrored about the centre of gravity, at least "
+                f"{LEAST_BOX:g} m long and wide; the legs of {self.name!r} have {_size(box)}"
+            )
+        return box
+
+    @cached_property
+    def reach(self) -> Reach:
+        """H's symmetric box; raises as ``mirrored_box``."""
+        x1, x2, y1, y2 = self.mirrored_box
+        low, high = self.z_range
+        spans = (round(span, 12) for span in (x2 - x1, y2 - y1, high - low))
+        x_span, y_span, z_span = spans
+        return Reach(x1, x_span, y1, y_span, -high, z_span)
 
     @cached_property
     def z_range(self) -> tuple[float, float]:
@@ -218,6 +225,10 @@ _TRIPLES = ("torso", "speed", "overreach")
 _WORDS = ("name", "title", "source")
 _KNOWN = (*_WORDS, *_NUMBERS, *_TRIPLES, "chain", "masses", "legs")
 _LEG_KEYS = ("name", "x", "y", "z", "hip", "chain")
+
+
+def _size(box: Box | None) -> str:
+    return "none" if box is None else f"{box[1] - box[0]:.3g} x {box[3] - box[2]:.3g} m"
 
 
 def machine_names() -> tuple[str, ...]:

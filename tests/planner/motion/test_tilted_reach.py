@@ -6,9 +6,7 @@ import pytest
 
 from walking_console.planner.motion.body_tilt import LEVEL
 from walking_console.planner.motion.tilted_reach import (
-    SIDES,
     change_of,
-    mirrored_part,
     whole_reach,
     with_box,
 )
@@ -21,14 +19,6 @@ GAIT = Gait(TITAN.duty_factor, TITAN.lift_up, TITAN.lift_down, TITAN.height)
 
 def test_a_level_body_has_all_of_its_machine():
     assert whole_reach(TITAN, GAIT, (LEVEL, LEVEL)) is TITAN
-
-
-def test_the_mirrored_part_lies_in_every_box():
-    boxes = [(sx * 0.2, sx * 0.7, sy * 0.3, sy * 0.6) for sx, sy in SIDES]
-    boxes = [(min(a, b) + 0.05, max(a, b) + 0.05, min(c, d), max(c, d)) for a, b, c, d in boxes]
-    part = mirrored_part(boxes)
-    assert part == pytest.approx((0.25, 0.65, 0.3, 0.6))
-    assert mirrored_part([(0.2, 0.3, 0.1, 0.2), *boxes[1:3], (0.5, 0.6, -0.2, -0.1)]) is None
 
 
 @pytest.mark.parametrize("heading", [0, 60, 90, 200])

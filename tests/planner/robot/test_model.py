@@ -48,6 +48,27 @@ def test_the_crab_planner_says_it_needs_four_legs():
         _ = load_machine("hexapod").reach
 
 
+def moved(name, leg, **axes):
+    """A shipped robot with one leg's box moved along some axes, its joints left out."""
+    data = as_data(load_machine(name))
+    for each in data["legs"]:
+        del each["hip"], each["chain"]
+    for axis, way in axes.items():
+        data["legs"][leg][axis] = [value + way for value in data["legs"][leg][axis]]
+    return machine_from(data)
+
+
+def test_legs_that_are_not_mirrored_reach_what_they_have_in_common():
+    reach = moved("titan3", 1, x=0.05, y=0.02).reach
+    assert (reach.x0, reach.x_span) == (pytest.approx(0.20), pytest.approx(0.45))
+    assert (reach.y0, reach.y_span) == (pytest.approx(0.32), pytest.approx(0.33))
+
+
+def test_legs_with_nothing_in_common_cannot_walk_in_the_crab_planner():
+    with pytest.raises(MachineError, match="in common.*at least 0.02 m.*'titan3' have none"):
+        _ = moved("titan3", 0, y=0.40).reach
+
+
 @pytest.mark.parametrize(
     ("change", "reason"),
     [
