@@ -5,48 +5,42 @@ from __future__ import annotations
 import io
 import json
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from typer.core import TyperGroup
 
-from walking_console.planner.robot.model import MachineError, load_machine, machine_names
-from walking_console.sim.scenario import ScenarioError
+from walking_console.planner.robot.model import load_machine, machine_names
 from walking_console.sim.scenario_files import list_scenarios, load_scenario
 from walking_console.sim.terrain.generators import list_terrains
-from walking_console.sim.terrain.ground import GroundError
 
+from . import sweep_commands
+from .command_groups import DefaultCommand, one_clear_line, refuse
 from .serve_options import LogLevel, ServeOptions
 from .terminal_output import print_list, print_summary, progress_shown, terminal
 
-BAD_INPUT = 2
-LINE_MAX = 2000  # characters of one clear line
-DEFAULT_COMMAND = "serve"
 ENVIRONMENT = "WALKING_CONSOLE_"
 UNASKED = ServeOptions()
 
 
-class ServeByDefault(TyperGroup):
+class ServeByDefault(DefaultCommand):
     """Without a command the words are options of ``serve``, and the help lists them too."""
 
-    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        own = {name for parameter in self.get_params(ctx) for name in parameter.opts}
-        if not args or (args[0].startswith("-") and args[0] not in own):
-            args = [DEFAULT_COMMAND, *args]
-        return super().parse_args(ctx, args)
+    default = "serve"
+
+    def is_of_default(self, args: list[str], own: set[str]) -> bool:
+        """A word that is no option must name a command: misspelt ones are said."""
+        return not args or (args[0].startswith("-") and args[0] not in own)
 
     def format_options(self, ctx: Any, formatter: Any) -> None:
         super().format_options(ctx, formatter)
-        serve = self.commands[DEFAULT_COMMAND]
+        serve = self.commands[self.default]
         records = [
             record
             for parameter in serve.params
             if (record := parameter.get_help_record(ctx)) is not None
         ]
-        with formatter.section(f"Options of {DEFAULT_COMMAND}, and without a command"):
+        with formatter.section(f"Options of {self.default}, and without a command"):
             formatter.write_dl(records)
 
 
@@ -107,33 +101,6 @@ LogLevelOption = Annotated[
 DirectoryArgument = Annotated[Path, typer.Argument(help="A run directory.")]
 
 
-@contextmanager
-def one_clear_line() -> Iterator[None]:
-    """Bad input ends in one line on standard error and exit status 2, never in a traceback."""
-    from walking_console.sim.runs.run_files import RunError
-    from walking_console.web.figures.run_data import FigureError
-
-    from .listening import ServeError
-
-    try:
-        yield
-    except (
-        ScenarioError,
-        MachineError,
-        GroundError,
-        RunError,
-        FigureError,
-        ServeError,
-    ) as error:
-        refuse(str(error))
-
-
-def refuse(message: str) -> None:
-    """Say what was wrong and leave with exit status 2."""
-    print(f"walking-console: {' '.join(message.split())[:LINE_MAX]}", file=sys.stderr)
-    raise typer.Exit(BAD_INPUT)
-
-
 def print_version(wanted: bool) -> None:
     """Print the version and leave."""
     if wanted:
@@ -141,6 +108,9 @@ def print_version(wanted: bool) -> None:
 
         print(f"walking-console {product_version()}")
         raise typer.Exit
+
+
+app.add_typer(sweep_commands.app, name="sweep")
 
 
 @app.callback()

@@ -2,8 +2,8 @@
 folder, never in the walking thread.
 
 ``DATA/runs/ID`` is the run directory of the contract, written by the child; ``DATA/jobs/ID`` holds
-the scenario it was given, its progress lines and its errors. Nothing here waits: a state is read
-from the process and the files when somebody asks.
+the scenario it was given, its progress lines and its errors. A state is read from the process and
+the files when somebody asks; who waits for whom is the queue's (``job_queue``).
 """
 
 from __future__ import annotations
@@ -14,20 +14,17 @@ import os
 import re
 import shutil
 import subprocess
-import time
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
 from itertools import count
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from .child_process import start_child
+from .job_queue import WAITING_MAX, Job, JobQueue
 from .toml_text import toml
 
-RUNS_AT_ONCE = 2
 RUNS_KEPT = 1000
 SPACE_MIN = 200e6  # bytes free, below which no run begins
-PATIENCE = 2.0  # s between asking a child to end and ending it
 REASON_SHOWN = 500  # characters of what a child said last
 ID = re.compile(r"[a-z0-9][a-z0-9_-]{0,63}")
 STEM_LENGTH = 50  # characters of a name that an id keeps
@@ -68,169 +65,183 @@ class RunRefused(Exception):
         self.status = status
 
 
-@dataclass(eq=False)
-class Job:
-    """A child at work."""
+class ChildJobs:
+    """What runs and sweeps share: a folder of results, a folder of what the children were given and
+    said, and their turn in a queue. Used from the web loop only.
+    """
 
-    process: subprocess.Popen[bytes]
-    cancelled_at: float | None = None  # s, monotonic
+    word: ClassVar[str]  # what one of them is called
+    results: ClassVar[str]  # the folders below the data folder
+    given: ClassVar[str]
+    files: ClassVar[Mapping[str, str]]  # that may be read, with their media types
 
-    @property
-    def working(self) -> bool:
-        """Whether it has not ended."""
-        return self.process.poll() is None
-
-    def ask_to_end(self) -> None:
-        """Once; one that is over stays as it is."""
-        if self.working and self.cancelled_at is None:
-            self.cancelled_at = time.monotonic()
-            self.process.terminate()
-
-    def end_if_overdue(self) -> None:
-        """Asked to end and still there after ``PATIENCE``: ended."""
-        if self.cancelled_at is not None and time.monotonic() - self.cancelled_at > PATIENCE:
-            self.process.kill()
-
-
-class RunJobs:
-    """Starts, lists and cancels runs. Used from the web loop only."""
-
-    def __init__(self, data: Path) -> None:
+    def __init__(self, data: Path, queue: JobQueue) -> None:
         self.data = data.absolute()
-        self.runs = self.data / "runs"
-        self._jobs_folder = self.data / "jobs"
+        self.queue = queue
+        self.folder = self.data / self.results
+        self._given = self.data / self.given
         self._jobs: dict[str, Job] = {}
 
-    def start(
-        self, scenario: Mapping[str, Any], name: str, *, trace_decisions: bool = False
-    ) -> str:
-        """Begin a run of this resolved scenario; answers its id, or raises ``RunRefused``."""
+    def _begin(self, name: str, words: Callable[[Path, Path], list[str]]) -> str:
+        """Queue a child; ``words`` makes its arguments of its folder and of that of its results.
+        Answers the id, or raises ``RunRefused``.
+        """
         self._check_room()
-        run_id = self._new_id(name)
-        folder = self._jobs_folder / run_id
-        written = folder / "scenario.toml"
-        written.write_text(toml(scenario), "utf-8")
-        arguments = ["run", str(written), "--out", str(self.runs / run_id), "--progress-json"]
-        if trace_decisions:
-            arguments.append("--trace-decisions")
-        with (
-            (folder / "progress.jsonl").open("wb") as progress,
-            (folder / "errors.txt").open("wb") as errors,
-        ):
-            self._jobs[run_id] = Job(start_child(arguments, folder, progress, errors))
-        log.info("run %s begun", run_id)
-        return run_id
+        job_id = self._new_id(name)
+        folder = self._given / job_id
+        arguments = words(folder, self.folder / job_id)
+
+        def begin() -> subprocess.Popen[bytes]:
+            with (
+                (folder / "progress.jsonl").open("wb") as progress,
+                (folder / "errors.txt").open("wb") as errors,
+            ):
+                log.info("%s %s begun", self.word, job_id)
+                return start_child(arguments, folder, progress, errors)
+
+        self._jobs[job_id] = self.queue.add(begin)
+        return job_id
 
     def _check_room(self) -> None:
-        working = sum(self._working(run_id) for run_id in list(self._jobs))
-        if working >= RUNS_AT_ONCE:
-            raise RunRefused(429, f"{RUNS_AT_ONCE} runs are at work already")
+        if self.queue.full:
+            raise RunRefused(429, f"{WAITING_MAX} jobs are waiting already")
         try:
-            self.runs.mkdir(parents=True, exist_ok=True)
-            self._jobs_folder.mkdir(parents=True, exist_ok=True)
+            self.folder.mkdir(parents=True, exist_ok=True)
+            self._given.mkdir(parents=True, exist_ok=True)
             free = shutil.disk_usage(self.data).free
         except OSError as error:
             raise self._cannot_be_kept(error) from None
         if free < SPACE_MIN:
-            raise RunRefused(507, f"less than {SPACE_MIN / 1e6:.0f} MB are free for runs")
+            raise RunRefused(507, f"less than {SPACE_MIN / 1e6:.0f} MB are free for {self.word}s")
         if len(self.ids()) >= RUNS_KEPT:
-            raise RunRefused(
-                507, f"{RUNS_KEPT} runs are kept already; remove some from {str(self.data)!r}"
-            )
+            kept = f"{RUNS_KEPT} {self.word}s are kept already"
+            raise RunRefused(507, f"{kept}; remove some from {str(self.data)!r}")
 
     def _cannot_be_kept(self, error: OSError) -> RunRefused:
-        return RunRefused(507, f"runs cannot be kept in {str(self.data)!r}: {error.strerror}")
+        where = repr(str(self.data))
+        return RunRefused(507, f"{self.word}s cannot be kept in {where}: {error.strerror}")
 
     def _new_id(self, name: str) -> str:
         """The next free number of this name, with its folder made."""
         for number in count(1):
-            run_id = numbered(name, number)
-            if (self.runs / run_id).exists():
+            job_id = numbered(name, number)
+            if (self.folder / job_id).exists():
                 continue
             try:
-                (self._jobs_folder / run_id).mkdir()
+                (self._given / job_id).mkdir()
             except FileExistsError:
                 continue
             except OSError as error:
                 raise self._cannot_be_kept(error) from None
-            return run_id
+            return job_id
         raise AssertionError("unreachable")
 
     def ids(self) -> list[str]:
-        """Every run there is, sorted."""
-        return sorted({*_folders(self.runs), *_folders(self._jobs_folder)})
+        """Every one there is, sorted."""
+        return sorted({*_folders(self.folder), *_folders(self._given)})
 
-    def knows(self, run_id: str) -> bool:
-        """Whether there is such a run, at work or over."""
-        return ID.fullmatch(run_id) is not None and any(
-            (folder / run_id).is_dir() for folder in (self.runs, self._jobs_folder)
+    def knows(self, job_id: str) -> bool:
+        """Whether there is such a one, waiting, at work or over."""
+        return ID.fullmatch(job_id) is not None and any(
+            (folder / job_id).is_dir() for folder in (self.folder, self._given)
         )
 
-    def _working(self, run_id: str) -> bool:
+    def _working(self, job_id: str) -> bool:
         """Whether its child is at work; one that was asked to end and did not is ended."""
-        job = self._jobs.get(run_id)
+        job = self._jobs.get(job_id)
         if job is None or not job.working:
             return False
         job.end_if_overdue()
         return True
 
-    def state(self, run_id: str) -> dict[str, Any]:
-        """Progress and result of a run that ``knows`` knows."""
-        working = self._working(run_id)
-        summary = None if working else _json(self.runs / run_id / "run.json")
-        state, reason = ("running", "") if working else self._outcome(run_id, summary)
+    def state(self, job_id: str) -> dict[str, Any]:
+        """Progress and result of one that ``knows`` knows."""
+        job = self._jobs.get(job_id)
+        before = None if job is None else self.queue.place(job)
+        state, reason, result = self._told(job_id, before)
         return {
-            "id": run_id,
+            "id": job_id,
             "state": state,
             "reason": reason,
-            "progress": _last_line(self._jobs_folder / run_id / "progress.jsonl"),
-            "result": None if summary is None else {key: summary.get(key) for key in SUMMARY},
+            "before": before,
+            "progress": _last_line(self._given / job_id / "progress.jsonl"),
+            "result": result,
         }
 
-    def _outcome(self, run_id: str, summary: dict[str, Any] | None) -> tuple[str, str]:
-        """State and reason of a run that is over."""
-        if summary is not None and summary.get("result") in RESULTS:
-            return str(summary["result"]), str(summary.get("reason", ""))
-        job = self._jobs.get(run_id)
+    def _told(self, job_id: str, before: int | None) -> tuple[str, str, dict[str, Any] | None]:
+        """State, reason, and the result where it is over."""
+        if before is not None:
+            return "queued", "", None
+        if self._working(job_id):
+            return "running", "", None
+        found = self._result(job_id)
+        if found is not None:
+            return found
+        return *self._why_there_is_none(job_id), None
+
+    def _result(self, job_id: str) -> tuple[str, str, dict[str, Any] | None] | None:
+        """State, reason and figures that a child left; None where it left none."""
+        raise NotImplementedError
+
+    def _why_there_is_none(self, job_id: str) -> tuple[str, str]:
+        job = self._jobs.get(job_id)
         if job is None:
-            return "interrupted", "the console was ended while it ran"
+            return "interrupted", "the console was ended while it ran or waited"
         if job.cancelled_at is not None:
             return "interrupted", "cancelled"
-        said = _text(self._jobs_folder / run_id / "errors.txt").strip()
+        said = _text(self._given / job_id / "errors.txt").strip()
         last = said.rsplit("\n", 1)[-1][:REASON_SHOWN]
-        return "failed", last or f"the run ended with status {job.process.returncode}"
+        status = None if job.process is None else job.process.returncode
+        return "failed", last or job.fault or f"the {self.word} ended with status {status}"
 
-    def cancel(self, run_id: str) -> None:
-        """Ask a run to end; one that is over stays as it is."""
-        job = self._jobs.get(run_id)
+    def cancel(self, job_id: str) -> None:
+        """Ask one to end; one that is over stays as it is."""
+        job = self._jobs.get(job_id)
         if job is not None:
-            log.info("run %s cancelled", run_id)
-            job.ask_to_end()
+            log.info("%s %s cancelled", self.word, job_id)
+            self.queue.cancel(job)
 
-    def file(self, run_id: str, name: str) -> Path | None:
-        """One of the files of a run, None when it has none of that name."""
-        if name not in FILES or not self.knows(run_id) or self._working(run_id):
+    def file(self, job_id: str, name: str) -> Path | None:
+        """One of its files once it is over, None when it has none of that name."""
+        if name not in self.files or not self.knows(job_id) or self._working(job_id):
             return None
-        path = self.runs / run_id / name
+        path = self.folder / job_id / name
         return path if path.is_file() and not path.is_symlink() else None
+
+
+class RunJobs(ChildJobs):
+    """Starts, lists and cancels runs."""
+
+    word = "run"
+    results = "runs"
+    given = "jobs"
+    files = FILES
+
+    def start(
+        self, scenario: Mapping[str, Any], name: str, *, trace_decisions: bool = False
+    ) -> str:
+        """Queue a run of this resolved scenario; answers its id, or raises ``RunRefused``."""
+
+        def words(folder: Path, out: Path) -> list[str]:
+            written = folder / "scenario.toml"
+            written.write_text(toml(scenario), "utf-8")
+            why = ["--trace-decisions"] if trace_decisions else []
+            return ["run", str(written), "--out", str(out), "--progress-json", *why]
+
+        return self._begin(name, words)
+
+    def _result(self, job_id: str) -> tuple[str, str, dict[str, Any] | None] | None:
+        summary = read_json(self.folder / job_id / "run.json")
+        if summary is None or summary.get("result") not in RESULTS:
+            return None
+        figures = {key: summary.get(key) for key in SUMMARY}
+        return str(summary["result"]), str(summary.get("reason", "")), figures
 
     def draw(self, run_id: str) -> subprocess.Popen[bytes]:
         """A child that writes ``replay.html`` into a finished run."""
-        folder = self.runs / run_id
+        folder = self.folder / run_id
         page = str(folder / "replay.html")
         return start_child(["export", str(folder), "--to", "html", "--out", page], folder)
-
-    def stop(self) -> None:
-        """End every child, at once where it has to be."""
-        for run_id in self._jobs:
-            self.cancel(run_id)
-        deadline = time.monotonic() + 1.0
-        for job in self._jobs.values():
-            try:
-                job.process.wait(max(0.0, deadline - time.monotonic()))
-            except subprocess.TimeoutExpired:
-                job.process.kill()
-                job.process.wait(1.0)
 
 
 def numbered(name: str, number: int) -> str:
@@ -258,7 +269,7 @@ def _text(path: Path) -> str:
         return ""
 
 
-def _json(path: Path) -> dict[str, Any] | None:
+def read_json(path: Path) -> dict[str, Any] | None:
     try:
         data = json.loads(_text(path) or "null")
     except ValueError:

@@ -150,6 +150,31 @@ class RunBody(ScenarioBody):
     trace_decisions: bool = False
 
 
+class SweepBody(Shape):
+    """Many headless runs into one table: every combination of the values of ``settings``, for every
+    seed, as ``walking-console sweep`` has them.
+    """
+
+    model_config = example(
+        name="holes", settings=["terrain.fraction=0.3,0.5", "end={time=20.0}"], seeds="1:10"
+    )
+    name: ShippedName | None = None
+    scenario: dict[str, Any] | None = Field(default=None, description="a scenario file as JSON")
+    settings: Annotated[list[Annotated[str, Field(max_length=10_000)]], Field(max_length=20)] = []
+    seeds: Annotated[str, Field(max_length=1000)] | None = Field(
+        default=None, description="1:100, both included, or 3,5,8; null: the scenario's own"
+    )
+    keep: Literal["failed", "all", "none"] = Field(
+        default="failed", description="whose run directories are kept in the data folder"
+    )
+
+    @model_validator(mode="after")
+    def _one_of_two(self) -> Self:
+        if (self.name is None) == (self.scenario is None):
+            raise ValueError("give either name or scenario")
+        return self
+
+
 class CircleArea(Shape):
     model_config = example(x_m=1.0, y_m=0.0, radius_m=0.2)
     x_m: MapCoordinate
@@ -341,15 +366,42 @@ class RunState(BaseModel):
         id="flat-0001",
         state="running",
         reason="",
+        before=None,
         progress={"progress": 0.4, "tick": 500, "distance_m": 0.8},
         result=None,
     )
     id: str
-    state: Literal["running", "completed", "blocked", "fell", "interrupted", "failed"]
+    state: Literal["queued", "running", "completed", "blocked", "fell", "interrupted", "failed"]
     reason: str
+    before: int | None = Field(
+        default=None, description="how many runs and sweeps are begun before it, while it waits"
+    )
     progress: dict[str, Any] | None = None
     result: dict[str, Any] | None = Field(
         default=None, description="the figures of run.json, once it is over"
+    )
+
+
+class SweepState(BaseModel):
+    """One sweep as the list shows it."""
+
+    model_config = example(
+        id="holes-0001",
+        state="running",
+        reason="",
+        before=None,
+        progress={"progress": 0.4, "done": 8, "total": 20, "passed": 7, "left_s": 12.5},
+        result=None,
+    )
+    id: str
+    state: Literal["queued", "running", "completed", "interrupted", "failed"]
+    reason: str
+    before: int | None = Field(
+        default=None, description="how many runs and sweeps are begun before it, while it waits"
+    )
+    progress: dict[str, Any] | None = None
+    result: dict[str, Any] | None = Field(
+        default=None, description="runs in the table and how many passed, once it is over"
     )
 
 

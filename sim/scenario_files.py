@@ -174,7 +174,7 @@ def with_settings(data: Mapping[str, Any], settings: Iterable[str]) -> dict[str,
         parts = [part.strip() for part in key.split(".")]
         if not equals or not all(parts):
             raise ScenarioError(f"--set wants KEY=VALUE with a dotted KEY, got {setting!r:.200}")
-        _put(changed, parts, _value(value.strip()), setting)
+        _put(changed, parts, plain_value(value.strip()), setting)
     return changed
 
 
@@ -218,7 +218,7 @@ def _position(array: list[Any], part: str, where: str) -> int:
     return int(part)
 
 
-def _value(text: str) -> Any:
+def plain_value(text: str) -> Any:
     """A TOML value, or the text itself when it is none."""
     try:
         parsed = tomllib.loads(f"value = {text}")

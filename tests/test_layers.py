@@ -96,6 +96,11 @@ TABLE = {
         f"walking_console.sim {SIM_SEES} numpy PIL png tifffile trimesh",
         "walking_console.server walking_console.web asyncio random",
     ),
+    # Tables for notebooks, and clusters: either only where it is installed.
+    "walking_console.sim.runs.sweep": rule(
+        f"walking_console.sim {SIM_SEES} numpy pyarrow distributed",
+        "walking_console.server walking_console.web asyncio random",
+    ),
     "walking_console.sim.kinematic.contact": rule(
         f"walking_console.sim {SIM_SEES} numpy pymunk",
         "walking_console.server walking_console.web asyncio random",

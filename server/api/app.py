@@ -27,6 +27,7 @@ from . import (
     pages,
     run_routes,
     session,
+    sweep_routes,
     upload_routes,
 )
 from .errors import add_error_answers
@@ -45,6 +46,7 @@ ROUTERS = (
     catalogue_routes.router,
     console_routes.router,
     run_routes.router,
+    sweep_routes.router,
     upload_routes.router,
     drive_socket.router,
     session.router,

@@ -2,22 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from walking_console.planner import registry
 from walking_console.planner.robot.model import MachineError, load_machine
 from walking_console.planner.robot.toml_files import names_toml_file
+from walking_console.sim.runs.sweep.grid import sweep_of
 from walking_console.sim.scenario import Scenario, ScenarioError
-from walking_console.sim.scenario_files import load_scenario, scenario_from, scenario_names
+from walking_console.sim.scenario_files import (
+    load_scenario,
+    scenario_from,
+    scenario_names,
+    with_settings,
+)
 from walking_console.sim.terrain.ground import GroundError
 from walking_console.sim.world import World, prepare
 
-from ..schemas import RunBody, ScenarioBody
+from ..schemas import RunBody, ScenarioBody, SweepBody
+from ..sweep_jobs import SweepOrder
 from ..uploads import Uploads
 from .errors import HTTPProblem
 
 DETAIL_MAX = 4000  # letters of all faults together
+SWEEP_RUNS_MAX = 100_000
+COMBINATIONS_MAX = 1000
 SETTINGS_NEED_A_NAME = "settings change a scenario by name; put them into the inline one"
 
 
@@ -52,13 +62,7 @@ def _base_of(data: dict[str, Any], uploads: Uploads) -> Path | None:
     """The folder of uploads where a scenario names files of it; None where it names none. Raises
     ``ScenarioError`` for any other file.
     """
-    terrain = data.get("terrain")
-    robot = data.get("robot")
-    named = [terrain.get("file")] if isinstance(terrain, dict) else []
-    named.append(data.get("drive"))  # a name where it is no timeline
-    if isinstance(robot, str) and names_toml_file(robot):
-        named.append(robot)
-    files = [name for name in named if isinstance(name, str)]
+    files = _files_named(data)
     for name in files:
         if not uploads.holds(name):
             kept = ", ".join(uploads.names()) or "none"
@@ -68,6 +72,53 @@ def _base_of(data: dict[str, Any], uploads: Uploads) -> Path | None:
                 f"{name!r:.80}"
             )
     return uploads.folder if files else None
+
+
+def _files_named(data: Mapping[str, Any]) -> list[str]:
+    terrain = data.get("terrain")
+    robot = data.get("robot")
+    named = [terrain.get("file")] if isinstance(terrain, dict) else []
+    named.append(data.get("drive"))  # a name where it is no timeline
+    if isinstance(robot, str) and names_toml_file(robot):
+        named.append(robot)
+    return [name for name in named if isinstance(name, str)]
+
+
+def sweep_order(body: SweepBody, uploads: Uploads) -> SweepOrder:
+    """The sweep a body asks for, every combination of its settings checked: slow. Raises
+    ``HTTPProblem``.
+    """
+    name = body.name or "inline"
+    try:
+        sweep = sweep_of(name, body.settings, body.seeds)
+    except ScenarioError as error:
+        raise HTTPProblem(422, str(error), field="settings", value=body.settings) from None
+    combinations = sweep.combinations
+    for limit, got in ((SWEEP_RUNS_MAX, len(sweep)), (COMBINATIONS_MAX, len(combinations))):
+        if got > limit:
+            too_many = f"a sweep over HTTP has at most {COMBINATIONS_MAX} combinations and "
+            too_many += f"{SWEEP_RUNS_MAX} runs"
+            raise HTTPProblem(422, too_many, field="settings", value=got, limit=limit)
+    files = set(_files_named(body.scenario or {}))
+    for values in combinations:
+        _check_combination(body, sweep.settings(values), uploads)
+    found = tuple(uploads.folder / file for file in sorted(files))
+    return SweepOrder(name, body.scenario, tuple(body.settings), body.seeds, body.keep, found)
+
+
+def _check_combination(body: SweepBody, settings: list[str], uploads: Uploads) -> None:
+    """One scenario of a sweep, as a run would have it; its settings may name no files."""
+    if body.scenario is None:
+        chosen_scenario(RunBody(name=body.name, settings=settings), uploads)
+        return
+    try:
+        changed = with_settings(body.scenario, settings)
+    except ScenarioError as error:
+        raise HTTPProblem(422, str(error), field="settings", value=settings) from None
+    if _files_named(changed) != _files_named(body.scenario):
+        no_files = "settings of a sweep over HTTP cannot name files"
+        raise HTTPProblem(422, no_files, field="settings", value=settings)
+    chosen_scenario(ScenarioBody(scenario=changed), uploads)
 
 
 def _let_planner_follow(data: dict[str, Any]) -> None:

@@ -19,10 +19,12 @@ from walking_console.sim.snapshot import Snapshot
 
 from ..control_lease import ControlLease
 from ..frames import as_text, snapshot_frame
+from ..job_queue import JobQueue
 from ..realtime_loop import RealtimeLoop
 from ..run_jobs import RunJobs
 from ..serve_options import DATA
 from ..sessions import SIT_AFTER
+from ..sweep_jobs import SweepJobs
 from ..uploads import Uploads
 from ..viser_bridge import ViserBridge
 
@@ -84,7 +86,9 @@ class AppState:
         self.settings = settings
         self.bridge = bridge
         self.lease = ControlLease(loop, settings.sit_after)
-        self.jobs = RunJobs(settings.data)
+        self.queue = JobQueue()
+        self.jobs = RunJobs(settings.data, self.queue)
+        self.sweeps = SweepJobs(settings.data, self.queue)
         self.uploads = Uploads(settings.data)
         self.changes: ChangeSignal | None = None
         self.drivers: set[str] = set()  # names of the sockets on /drive
@@ -113,7 +117,7 @@ class AppState:
         finally:
             self.loop.on_publish = lambda: None
             self.lease.hold()
-            await asyncio.to_thread(self.jobs.stop)
+            await asyncio.to_thread(self.queue.stop)
 
     def wake(self) -> None:
         """Let every page look again."""

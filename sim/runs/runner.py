@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import gc
 import math
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path, PurePath
@@ -78,14 +80,7 @@ def run_scenario(
     >>> summary["result"], summary["steps"], round(summary["distance"], 3)
     ('completed', 4, 0.8)
     """
-    simulation = Simulation(world or prepare(scenario), explain=explain)
-    recorder = Recorder(simulation)
-    ending = "interrupted", "interrupted"
-    try:
-        ending = _walk_to_end(simulation, recorder, progress)
-    except KeyboardInterrupt:
-        pass
-    summary = summarise(simulation, recorder, *ending)
+    summary, recorder = walk_scenario(scenario, explain=explain, progress=progress, world=world)
     if out is not None:
         try:
             Path(out).mkdir(parents=True, exist_ok=True)
@@ -94,6 +89,40 @@ def run_scenario(
             why = error.strerror
             raise RunError(f"cannot write the run directory {str(out)!r}: {why}") from None
     return summary
+
+
+def walk_scenario(
+    scenario: Scenario,
+    *,
+    explain: bool = False,
+    progress: Progress | None = None,
+    world: World | None = None,
+) -> tuple[dict[str, Any], Recorder]:
+    """As ``run_scenario``, but nothing is written: the summary, and the recorder that could."""
+    simulation = Simulation(world or prepare(scenario), explain=explain)
+    recorder = Recorder(simulation)
+    ending = "interrupted", "interrupted"
+    with long_lived_objects_kept():
+        try:
+            ending = _walk_to_end(simulation, recorder, progress)
+        except KeyboardInterrupt:
+            pass
+    return summarise(simulation, recorder, *ending), recorder
+
+
+@contextmanager
+def long_lived_objects_kept() -> Iterator[None]:
+    """While a walk lasts the garbage collector leaves alone what was there before it: a full
+    collection took longer than a tick may. Whoever has frozen objects already keeps them so.
+    """
+    if gc.get_freeze_count():
+        yield
+        return
+    gc.freeze()
+    try:
+        yield
+    finally:
+        gc.unfreeze()
 
 
 def _walk_to_end(simulation: Simulation, recorder: Recorder, progress: Progress | None) -> Ending:
@@ -106,6 +135,8 @@ def _walk_to_end(simulation: Simulation, recorder: Recorder, progress: Progress 
         player.note()
         if progress is not None and player.ending is None and index % PROGRESS_TICKS == 0:
             progress(simulation, _share(index / player.ticks_max, simulation.distance, scenario))
+    if progress is not None:
+        progress(simulation, 1.0)
     return player.ending
 
 

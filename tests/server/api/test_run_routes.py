@@ -8,11 +8,12 @@ from typing import Any
 import pytest
 from fastapi.testclient import TestClient
 
-from walking_console.server import child_process, run_jobs
+from walking_console.server import child_process, job_queue, run_jobs
 from walking_console.server.api.app import create_app
 from walking_console.server.api.state import AppSettings
+from walking_console.server.job_queue import AT_ONCE
 from walking_console.server.realtime_loop import RealtimeLoop
-from walking_console.server.run_jobs import RUNS_AT_ONCE, RunJobs
+from walking_console.server.run_jobs import RunJobs
 
 HERE = "http://127.0.0.1:8000"
 
@@ -32,7 +33,9 @@ def running(loop: RealtimeLoop, tmp_path: Path) -> Iterator[tuple[TestClient, Ru
 
 def over(client: TestClient, runs: RunJobs, run_id: str) -> dict[str, Any]:
     """The state after the child has ended."""
-    runs._jobs[run_id].process.wait(60)
+    process = runs._jobs[run_id].process
+    assert process is not None
+    process.wait(60)
     state: dict[str, Any] = client.get(f"/api/v1/runs/{run_id}").json()
     return state
 
@@ -68,22 +71,47 @@ def test_an_inline_scenario_runs_and_a_second_run_gets_its_own_name(
     assert [over(client, runs, run_id)["state"] for run_id in ids] == ["completed", "completed"]
 
 
-def test_a_run_is_cancelled_and_there_is_room_for_so_many_at_once(
+def test_a_third_run_waits_for_its_turn_and_begins_when_another_ends(
     running: tuple[TestClient, RunJobs],
 ) -> None:
     client, runs = running
     ids = [
         client.post("/api/v1/runs", json={"name": "flat", "settings": LONG}).json()["id"]
-        for _ in range(RUNS_AT_ONCE)
+        for _ in range(AT_ONCE)
     ]
-    refused = client.post("/api/v1/runs", json={"name": "flat", "settings": SHORT})
-    assert (
-        refused.status_code == 429 and refused.headers["content-type"] == "application/problem+json"
-    )
+    third = client.post("/api/v1/runs", json={"name": "flat", "settings": SHORT})
+    assert third.status_code == 202 and third.json()["state"] == "queued"
+    assert third.json()["before"] == 0
     assert client.get(f"/api/v1/runs/{ids[0]}/run.json").status_code == 404, "not before it is over"
-    for run_id in ids:
-        assert client.delete(f"/api/v1/runs/{run_id}").status_code == 202
-        assert over(client, runs, run_id)["state"] == "interrupted"
+    assert client.delete(f"/api/v1/runs/{ids[0]}").status_code == 202
+    assert over(client, runs, ids[0])["state"] == "interrupted"
+    waiting = runs._jobs[third.json()["id"]]
+    while waiting.waiting:
+        client.get("/api/v1/runs")
+    assert over(client, runs, third.json()["id"])["state"] == "completed"
+    client.delete(f"/api/v1/runs/{ids[1]}")
+    assert over(client, runs, ids[1])["state"] == "interrupted"
+
+
+def test_progress_of_a_run_that_is_over_is_that_of_its_end(
+    running: tuple[TestClient, RunJobs],
+) -> None:
+    client, runs = running
+    run_id = client.post("/api/v1/runs", json={"name": "flat", "settings": SHORT}).json()["id"]
+    state = over(client, runs, run_id)
+    assert state["progress"]["tick"] == state["result"]["ticks"] == 100
+    assert state["progress"]["progress"] == 1.0
+    assert state["progress"]["distance_m"] == state["result"]["distance"]
+
+
+def test_so_many_wait_and_no_more_are_taken(
+    running: tuple[TestClient, RunJobs], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    client, runs = running
+    monkeypatch.setattr(job_queue, "WAITING_MAX", 0)
+    refused = client.post("/api/v1/runs", json={"name": "flat"})
+    assert refused.status_code == 429 and runs.ids() == []
+    assert refused.headers["content-type"] == "application/problem+json"
 
 
 def test_a_run_that_fails_says_why(

@@ -74,7 +74,7 @@ def test_progress_is_the_share_of_what_ends_the_run() -> None:
     shares: list[float] = []
     scenario = load_scenario("flat", ("end={time=20.0}", FREE))
     run_scenario(scenario, progress=lambda simulation, share: shares.append(share))
-    assert shares == pytest.approx([0.0, 0.25, 0.5, 0.75])
+    assert shares == pytest.approx([0.0, 0.25, 0.5, 0.75, 1.0])
 
 
 def test_a_directory_that_cannot_be_made_is_said(tmp_path) -> None:
