@@ -20,7 +20,7 @@ from walking_console.sim.runs.runner import product_version
 from walking_console.sim.scenario import Scenario
 
 from .grid import Axis, Case, Sweep
-from .table import Row, axis_column, write_tables
+from .table import TableRow, axis_column, write_tables
 from .walker import Keep, WalkedCase
 
 SCHEMA = 1
@@ -89,7 +89,7 @@ class SweepFolder:
         self._file.close()
         write_tables(self.path, self.axes, self.rows)
 
-    def add(self, case: Case, walked: WalkedCase) -> Row:
+    def add(self, case: Case, walked: WalkedCase) -> TableRow:
         """Keep what came of a walk: its directory first, then its line."""
         name = f"{RUNS}/{case.index:06d}"
         if walked.files is not None:
@@ -136,7 +136,7 @@ def _check_the_same(out: Path, told: dict[str, Any]) -> None:
         raise RunError(f"{str(out)!r} holds another sweep ({what} differ); --force empties it")
 
 
-def _read_rows(path: Path) -> list[Row]:
+def _read_rows(path: Path) -> list[TableRow]:
     """Every whole line; what a kill left half written is cut off the file."""
     try:
         text = path.read_bytes()

@@ -35,7 +35,7 @@ FIGURES: dict[str, type] = {
     "directory": str,
 }
 
-Row = dict[str, Any]
+TableRow = dict[str, Any]
 
 
 def axis_column(key: str) -> str:
@@ -50,7 +50,7 @@ def columns(axes: Sequence[Axis]) -> list[str]:
     return ["run", *(axis_column(axis.key) for axis in axes), *figures]
 
 
-def write_tables(folder: Path, axes: Sequence[Axis], rows: Sequence[Row]) -> None:
+def write_tables(folder: Path, axes: Sequence[Axis], rows: Sequence[TableRow]) -> None:
     """Write the rows, sorted by run; each file is there whole or not at all."""
     ordered = sorted(rows, key=lambda row: int(row["run"]))
     _write_csv(folder / CSV, columns(axes), ordered)
@@ -58,7 +58,7 @@ def write_tables(folder: Path, axes: Sequence[Axis], rows: Sequence[Row]) -> Non
         _write_parquet(folder / PARQUET, axes, ordered)
 
 
-def _write_csv(path: Path, names: Sequence[str], rows: Sequence[Row]) -> None:
+def _write_csv(path: Path, names: Sequence[str], rows: Sequence[TableRow]) -> None:
     """Numbers as ``repr`` has them: read back they are the same to the last bit."""
     beside = path.with_suffix(".part")
     with beside.open("w", newline="", encoding="utf-8") as file:
@@ -77,7 +77,7 @@ def _cell(value: Any) -> Any:
     return repr(value) if isinstance(value, float) else value
 
 
-def _write_parquet(path: Path, axes: Sequence[Axis], rows: Sequence[Row]) -> None:
+def _write_parquet(path: Path, axes: Sequence[Axis], rows: Sequence[TableRow]) -> None:
     import pyarrow as arrow
     from pyarrow import parquet
 
