@@ -43,6 +43,7 @@ CELLS_MAX = 4_000_000  # of a map that is walked on, whatever the format
 HEIGHT_MAX = 10.0  # m from 0; beyond it heights are above some sea, and are brought to the start
 RELIEF_MAX = 100.0  # m from the start; more is no ground for a walker
 DEFAULT_CELL = 0.05  # m
+DEGREE = 111_195.0  # m of a great circle
 WINDOW = 25.0  # m around the start that is kept of a map with cells of more than ``CELL_MAX``
 WINDOW_CELL = 0.05  # m, what such a map is interpolated to
 NODATA_USUAL = (
@@ -167,16 +168,23 @@ def _cell_of(terrain: MapTerrain, raster: Raster) -> tuple[float, float]:
         return terrain.cell, terrain.cell
     if raster.cell is None:
         return DEFAULT_CELL, DEFAULT_CELL
-    if raster.in_degrees:
+    if raster.latitude is not None:
+        x, y = _metres(raster.cell, raster.latitude)
         raise GroundError(
             f"its cells are degrees of longitude and latitude ({raster.cell[0]:g} x "
-            f"{raster.cell[1]:g}): set cell in metres, such as cell = [x, y]"
+            f"{raster.cell[1]:g}): set cell in metres; at latitude {raster.latitude:.4g} that is "
+            f"cell = [{x:.4g}, {y:.4g}]"
         )
     if min(raster.cell) < CELL_MIN:
         raise GroundError(
             f"its cells are {_size(raster.cell)}; at least {CELL_MIN:g} m: set cell in metres"
         )
     return raster.cell
+
+
+def _metres(cell: tuple[float, float], latitude: float) -> tuple[float, float]:
+    """Degrees of longitude and latitude in metres on the ground, within 1 %."""
+    return cell[0] * DEGREE * math.cos(math.radians(latitude)), cell[1] * DEGREE
 
 
 def _own_origin(terrain: MapTerrain, raster: Raster) -> tuple[float, float] | None:

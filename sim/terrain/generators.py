@@ -531,8 +531,8 @@ class MapTerrain(Terrain):
 
 
 class FileTerrain(MapTerrain):
-    """Heights from a file: PNG, TIFF and GeoTIFF, ESRI ASCII grid (.asc), CSV matrix or point list,
-    .npy, .npz (a run's own terrain.npz), STL, PLY and OBJ.
+    """Heights from a file: PNG (JPEG, BMP, PGM), TIFF and GeoTIFF, ESRI ASCII grid (.asc), CSV
+    matrix or point list, .npy, .npz (a run's own terrain.npz), STL, PLY and OBJ.
 
     Pictures and grids are north up: the first row is the largest y. Arrays (.npy, .npz) have the
     row of least y first.

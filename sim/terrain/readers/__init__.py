@@ -7,24 +7,18 @@ from pathlib import Path
 
 from .arrays import read_npy, read_npz
 from .meshes import read_mesh
-from .pictures import read_png
+from .pictures import read_picture
 from .raster import Raster
-from .text import read_ascii_grid, read_csv
+from .text import read_text
 from .tiff import read_tiff
 
 READERS: dict[str, Callable[[Path], Raster]] = {
     ".npy": read_npy,
     ".npz": read_npz,
-    ".png": read_png,
-    ".tif": read_tiff,
-    ".tiff": read_tiff,
-    ".asc": read_ascii_grid,
-    ".csv": read_csv,
-    ".txt": read_csv,
-    ".xyz": read_csv,
-    ".stl": read_mesh,
-    ".ply": read_mesh,
-    ".obj": read_mesh,
+    **dict.fromkeys((".png", ".jpg", ".jpeg", ".bmp", ".pgm"), read_picture),
+    **dict.fromkeys((".tif", ".tiff"), read_tiff),
+    **dict.fromkeys((".asc", ".grd", ".csv", ".tsv", ".txt", ".dat", ".xyz"), read_text),
+    **dict.fromkeys((".stl", ".ply", ".obj"), read_mesh),
 }
 
 __all__ = ["READERS", "Raster"]

@@ -1,4 +1,4 @@
-"""Arrays of numpy: .npy, and .npz with ``heights`` and perhaps ``cell`` and ``origin``.
+"""Arrays of numpy: .npy, and .npz with heights and perhaps their cell and origin.
 
 A header is checked before the data behind it is read; nothing is unpickled. Rows are y: the first
 row is the least y, as in the ``terrain.npz`` of a run.
@@ -23,6 +23,15 @@ from .raster import CELLS_MAX, Raster
 HEADER_MAX = 4096  # bytes of an .npy header
 MEMBERS_MAX = 16  # of an .npz
 MEMBER_BYTES_MAX = 8 * CELLS_MAX + 2 * HEADER_MAX
+NUMBER_KINDS = "fiu"  # of numpy: floating-point, whole, whole from 0 on
+HEIGHTS_NAMES = (
+    "heights_exact", "heights", "height", "elevation", "z", "dem", "dtm", "terrain", "topo",
+    "arr_0",
+)  # fmt: skip
+CELL_NAMES = ("cell", "cell_size", "cellsize", "resolution", "res", "spacing")
+X_NAMES = ("x", "xs", "lon", "longitude")
+Y_NAMES = ("y", "ys", "lat", "latitude")
+Members = dict[str, zipfile.ZipInfo]
 PLACE_MAX = 1e7  # m; a corner farther away is no place
 
 
@@ -34,67 +43,150 @@ def read_npy(path: Path) -> Raster:
 
 
 def read_npz(path: Path) -> Raster:
-    """An archive with ``heights``; ``heights_exact`` wins, ``cell`` and ``origin`` are taken."""
+    """An archive with ``heights`` (``heights_exact`` wins) or another array of two axes, and
+    perhaps ``cell`` and ``origin``, or ``x`` and ``y`` of its columns and rows.
+    """
     with zipfile.ZipFile(path) as archive:
-        members = {info.filename: info for info in archive.infolist()}
         if len(archive.infolist()) > MEMBERS_MAX:
             raise GroundError(f"{len(archive.infolist())} members; at most {MEMBERS_MAX}")
-        if "heights.npy" not in members:
-            names = sorted(name.removesuffix(".npy")[:40] for name in members)
-            raise GroundError(f"there is no 'heights' in it, only {', '.join(names) or 'nothing'}")
-        exact = members.get("heights_exact.npy", members["heights.npy"])
-        heights = _member(archive, exact)
-        cell = _member(archive, members["cell.npy"]) if "cell.npy" in members else None
-        origin = _member(archive, members["origin.npy"]) if "origin.npy" in members else None
-    side = _checked_cell(cell)
+        members = {
+            info.filename.removesuffix(".npy"): info
+            for info in archive.infolist()
+            if info.filename.endswith(".npy")
+        }
+        heights = _member(archive, members[_name_of_heights(archive, members)])
+        known = (*CELL_NAMES, *X_NAMES, *Y_NAMES, "dx", "dy", "origin", "ymin")
+        small = {name: _small(archive, members[name]) for name in known if name in members}
+    cell = _cell_of(small)
+    southwards = _runs_down(next((small[name] for name in Y_NAMES if name in small), None))
     return Raster(
-        _as_heights(heights),
+        _as_heights(heights)[:: -1 if southwards else 1],
         f"{heights.dtype} array",
-        None if side is None else (side, side),
-        _checked_origin(origin),
+        cell,
+        _checked_origin(small.get("origin")),
+        latitude=_latitude(small, cell),
     )
+
+
+def _name_of_heights(archive: zipfile.ZipFile, members: Members) -> str:
+    """The array with a usual name for heights, else the only one of two axes."""
+    grids = [name for name, info in members.items() if _axes(archive, info) == 2]
+    usual = [name for name in HEIGHTS_NAMES if name in (grids or members)]
+    if usual or len(grids) == 1:
+        return (usual or grids)[0]
+    there = ", ".join(sorted(name[:40] for name in grids or members)) or "nothing"
+    if grids:
+        raise GroundError(f"several grids in it and no 'heights': {there}; name one of them so")
+    raise GroundError(f"there is no 'heights' in it, only {there}")
+
+
+def _axes(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> int:
+    """How many axes of more than one an array has, from its header; 0 of what is no numbers."""
+    _check_member(info)
+    with archive.open(info) as file:
+        shape, dtype = _header(file)
+    return len(_squeezed(shape)) if dtype.kind in NUMBER_KINDS else 0
+
+
+def _small(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> Any:
+    """An array that says something about the heights; None where it is no list of numbers."""
+    return _member(archive, info) if _axes(archive, info) <= 1 else None
+
+
+def _cell_of(small: dict[str, Any]) -> tuple[float, float] | None:
+    """Size of a cell: said as one number, as two, or by where columns and rows are."""
+    for name in CELL_NAMES:
+        if small.get(name) is not None:
+            side = _checked_cell(small[name])
+            return side, side
+    if small.get("dx") is not None and small.get("dy") is not None:
+        return _number(small["dx"]), _number(small["dy"])
+    x = next((small[name] for name in X_NAMES if small.get(name) is not None), None)
+    y = next((small[name] for name in Y_NAMES if small.get(name) is not None), None)
+    return None if x is None or y is None else (_step(x), _step(y))
+
+
+def _step(places: Any) -> float:
+    """The even step between places, m; NaN-free and above 0, or refused."""
+    steps = np.abs(np.diff(np.asarray(places, dtype=np.float64).ravel()))
+    if not len(steps) or not steps[0] > 0.0 or np.ptp(steps) > 1e-3 * steps[0]:
+        raise GroundError("its columns and rows are not evenly spaced")
+    return float(steps[0])
+
+
+def _runs_down(places: Any) -> bool:
+    """True when the first row is the largest y."""
+    return places is not None and places.size > 1 and bool(places.flat[0] > places.flat[-1])
+
+
+def _number(value: Any) -> float:
+    return abs(float(value.item())) if value.size == 1 else math.nan
+
+
+def _latitude(small: dict[str, Any], cell: tuple[float, float] | None) -> float | None:
+    """Where the cells are degrees: by the names of what is there, or too small for metres."""
+    for name in ("lat", "latitude", "ymin"):
+        value = small.get(name)
+        if cell is not None and value is not None and (name != "ymin" or cell[0] < CELL_MIN):
+            return float(np.mean(value))
+    return None
 
 
 def _as_heights(array: Array) -> Array:
     return np.asarray(array, dtype=np.float64)
 
 
-def _array(file: IO[bytes], size: int) -> Any:
-    """One .npy stream of ``size`` bytes: kind, shape and length are checked from its header."""
+def _header(file: IO[bytes]) -> tuple[tuple[int, ...], Any]:
+    """Shape and number type that an .npy stream says."""
     version = npy.read_magic(file)
     readers = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0}
     read_header = readers.get(version)
     if read_header is None:
         raise GroundError(f"unknown .npy version {version[0]}.{version[1]}")
     shape, _, dtype = read_header(file, max_header_size=HEADER_MAX)
-    if dtype.hasobject or dtype.kind not in "fiu":
+    return tuple(shape), dtype
+
+
+def _squeezed(shape: tuple[int, ...]) -> tuple[int, ...]:
+    """A shape without axes of one place, where it has more than two."""
+    return shape if len(shape) <= 2 else tuple(n for n in shape if n != 1)
+
+
+def _array(file: IO[bytes], size: int) -> Any:
+    """One .npy stream of ``size`` bytes: kind, shape and length are checked from its header."""
+    shape, dtype = _header(file)
+    if dtype.hasobject or dtype.kind not in NUMBER_KINDS:
         raise GroundError(f"numbers wanted, got {dtype}")
     count = math.prod(shape)
-    if len(shape) > 2 or count > CELLS_MAX or any(n < 1 for n in shape):
+    if len(_squeezed(shape)) > 2 or count > CELLS_MAX or any(n < 1 for n in shape):
         raise GroundError(
             f"heights must be (ny, nx) with at most {CELLS_MAX} cells, got shape {tuple(shape)}"
         )
     if size < file.tell() + count * dtype.itemsize:
         raise GroundError(f"the file ends before its {count} numbers do")
     file.seek(0)
-    return npy.read_array(file, allow_pickle=False, max_header_size=HEADER_MAX)
+    array = npy.read_array(file, allow_pickle=False, max_header_size=HEADER_MAX)
+    return array.reshape(_squeezed(shape))
 
 
 def _member(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> Any:
-    """One array of an archive; one that says it is larger than any allowed map is not unpacked."""
+    """One array of an archive."""
+    _check_member(info)
+    with archive.open(info) as file:
+        return _array(file, info.file_size)
+
+
+def _check_member(info: zipfile.ZipInfo) -> None:
+    """Refuse what says it is larger than any allowed map, before it is unpacked."""
     if info.file_size > MEMBER_BYTES_MAX:
         raise GroundError(
             f"{info.filename!r} unpacks to {info.file_size} bytes; at most {MEMBER_BYTES_MAX}"
         )
     if info.flag_bits & 0x1:
         raise GroundError(f"{info.filename!r} is encrypted")
-    with archive.open(info) as file:
-        return _array(file, info.file_size)
 
 
-def _checked_cell(cell: Any) -> float | None:
-    if cell is None:
-        return None
+def _checked_cell(cell: Any) -> float:
     value = float(cell.item()) if cell.size == 1 else math.nan
     if not CELL_MIN <= value < math.inf:
         raise GroundError(f"cell must be one number of at least {CELL_MIN:g} m, got {cell!r:.60}")

@@ -18,7 +18,7 @@ import numpy as np
 from walking_console.planner.types import Array
 
 from ..generators import GroundError
-from .raster import Raster, check_size
+from .raster import CELLS_MAX, Raster
 
 FILE_BYTES_MAX = 128_000_000
 TRIANGLES_MAX = 1_000_000
@@ -64,7 +64,11 @@ def _rasterised(triangles: Array, what: str, scale: float, cell: float) -> Raste
     high = scaled.reshape(-1, 3).max(axis=0)
     nx = max(2, math.ceil((high[0] - low[0]) / cell - 1e-9))
     ny = max(2, math.ceil((high[1] - low[1]) / cell - 1e-9))
-    check_size(ny, nx)
+    if ny * nx > CELLS_MAX:
+        raise GroundError(
+            f"its {high[0] - low[0]:g} x {high[1] - low[1]:g} m are {nx} x {ny} cells of {cell:g} "
+            f"m; at most {CELLS_MAX}: set scale = 0.001 if it is in millimetres, or cell"
+        )
     heights = np.full((ny, nx), -np.inf)
     for triangle in scaled:
         _lay(heights, triangle - (low[0], low[1], 0.0), cell)

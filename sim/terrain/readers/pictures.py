@@ -1,4 +1,5 @@
-"""Pictures: PNG of any mode whose channels are equal; the levels are parts of white.
+"""Pictures: PNG (and JPEG, BMP, PGM) of any mode whose channels are equal; the levels are parts of
+white.
 
 The first row of a picture is its top, and that is north: the largest y. The size is checked before
 a pixel is decoded. Pillow cuts 16-bit colour to 8 bits without a word, so that such files are read
@@ -7,6 +8,7 @@ by pypng.
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -21,22 +23,33 @@ from .raster import Raster, check_size
 
 GREY_MODES = {"1": 1.0, "L": 255.0, "I;16": 65535.0, "I": 65535.0}  # Pillow mode: level of white
 
+FORMATS = ["PNG", "JPEG", "BMP", "PPM"]
 
-def read_png(path: Path) -> Raster:
+
+def read_picture(path: Path) -> Raster:
     """Grey levels as parts of white (0 to 1), north up; see-through pixels are NaN."""
-    with Image.open(path, formats=["PNG"]) as picture:
+    with Image.open(path, formats=FORMATS) as picture:
         width, height = picture.size
         check_size(height, width)
         mode = str(picture.mode)
-        deep = _bits(path) == 16
+        deep = picture.format == "PNG" and _bits(path) == 16
         if deep and mode not in GREY_MODES:
             levels, what = _deep_colour(path), "16-bit picture"
         elif mode in GREY_MODES:
             levels = np.asarray(picture, dtype=np.float64) / GREY_MODES[mode]
-            what = f"{16 if deep else 8}-bit grey picture"
+            levels[levels == _clear_level(picture, path)] = np.nan
+            what = f"{16 if GREY_MODES[mode] > 255.0 else 8}-bit grey picture"
         else:
             levels, what = _colour(picture, mode), f"8-bit picture of mode {mode}"
     return Raster(levels[::-1], what)
+
+
+def _clear_level(picture: Image.Image, path: Path) -> float:
+    """The grey level that one sees through, as a part of white (PNG's tRNS); NaN without one."""
+    said = picture.info.get("transparency")
+    if picture.format != "PNG" or not isinstance(said, int):
+        return math.nan
+    return said / (255.0 if picture.mode == "1" else 2.0 ** _bits(path) - 1.0)
 
 
 def _bits(path: Path) -> int:

@@ -29,7 +29,7 @@ class Raster:
     cell: tuple[float, float] | None = None
     origin: tuple[float, float] | None = None
     nodata: tuple[float, ...] = ()
-    in_degrees: bool = False  # the file's cells are degrees of longitude and latitude
+    latitude: float | None = None  # where its cells are degrees of longitude and latitude; °
     scaled: bool = False  # heights are in metres already: scale has been applied to all axes
     surface: Callable[[float, float], Raster] | None = None  # scale, cell in m
 

@@ -1,239 +1,176 @@
-"""Heights as text: ESRI ASCII grids, matrices and point lists.
+"""Heights as text: what a text file is, and the ASCII grids of ESRI and GRASS.
 
-Found in the wild and taken: header keys in any order and case, CRLF, corner or centre of the lower
-left cell, ``dx``/``dy`` in place of ``cellsize``, rows wrapped over several lines, commas,
-semicolons, tabs or spaces between numbers, and the decimal comma. The first row is north.
+Found in the wild and taken: header keys in any order and case, comments before them, CRLF and CR,
+corner or centre of the lower left cell, ``dx``/``dy`` in place of ``cellsize``, rows wrapped over
+several lines, blanks, tabs, commas or semicolons between numbers, and the decimal comma. The first
+row is north.
 """
 
 from __future__ import annotations
 
-import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 
 from walking_console.planner.types import Array
 
-from ..generators import GroundError
+from ..generators import CELL_MIN, GroundError
 from .raster import FILE_BYTES_MAX, Raster, check_size
+from .tables import read_table
 
-HEADER_LINES_MAX = 20
+HEADER_LINES_MAX = 40
 ESRI_KEYS = {
     "ncols", "nrows", "xllcorner", "yllcorner", "xllcenter", "yllcenter", "xllcentre", "yllcentre",
     "cellsize", "dx", "dy", "nodata_value", "nodata", "byteorder", "xcellsize", "ycellsize",
 }  # fmt: skip
-EVEN = 1e-3  # of the spacing: how far a point of a regular list may be beside its place
+GRASS_KEYS = {"north", "south", "east", "west", "rows", "cols", "null", "type", "multiplier"}
+COMMENTS = ("#", "!", "%", "//")
+NO_NUMBERS = {"*": "nan", "na": "nan", "n/a": "nan", "null": "nan"}  # words for no height
+
+
+def read_text(path: Path) -> Raster:
+    """An ASCII grid where it begins with the keys of one, else a matrix or a list of points."""
+    lines = [line for line in _text(path).split("\n") if _counts(line)]
+    if not lines:
+        raise GroundError("it is empty")
+    key = _key(lines[0])
+    if key in ESRI_KEYS or key in GRASS_KEYS or (key and path.suffix.lower() == ".asc"):
+        return _ascii_grid(lines)
+    return read_table(lines, points=path.suffix.lower() == ".xyz")
 
 
 def _text(path: Path) -> str:
+    """The text of a file in UTF-8, UTF-16 or an old code page, lines ending in one way."""
     if path.stat().st_size > FILE_BYTES_MAX:
         raise GroundError(f"{path.stat().st_size} bytes; at most {FILE_BYTES_MAX}")
     raw = path.read_bytes()
-    for encoding in (
-        ("utf-8-sig", "utf-16") if raw[:2] in (b"\xff\xfe", b"\xfe\xff") else ("utf-8-sig",)
-    ):
-        try:
-            return raw.decode(encoding)
-        except UnicodeDecodeError:
-            continue
-    return raw.decode("latin-1")
+    wide = raw[:2] in (b"\xff\xfe", b"\xfe\xff")
+    try:
+        text = raw.decode("utf-16" if wide else "utf-8-sig")
+    except UnicodeDecodeError:
+        text = raw.decode("latin-1")
+    return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
-def read_ascii_grid(path: Path) -> Raster:
-    """An ESRI ASCII grid: a header of keys, then nrows x ncols heights."""
-    text = _text(path)
-    header, body = _header(text)
-    ncols, nrows = _count(header, "ncols"), _count(header, "nrows")
+def _counts(line: str) -> bool:
+    line = line.lstrip()
+    return bool(line) and not line.startswith(COMMENTS)
+
+
+def _key(line: str) -> str:
+    """The header key a line begins with, lower case; "" of a line of numbers."""
+    found = re.match(r"\s*([A-Za-z][A-Za-z_]*)\s*[:=]?\s+\S+\s*$", line)
+    word = "" if found is None else found.group(1).lower()
+    return "" if word in ("nan", "inf") or word in NO_NUMBERS else word
+
+
+def _ascii_grid(lines: list[str]) -> Raster:
+    header, body = _header(lines)
+    names = ("rows", "cols") if "rows" in header else ("nrows", "ncols")
+    nrows, ncols = (_count(header, name) for name in names)
     check_size(nrows, ncols)
-    values = _numbers(body)
+    values = _numbers(body, nrows * ncols)
     if values.size != nrows * ncols:
         raise GroundError(f"{nrows} x {ncols} heights are announced, {values.size} are there")
-    cell = header.get("cellsize")
-    dx = header.get("dx", header.get("xcellsize", cell))
-    dy = header.get("dy", header.get("ycellsize", cell))
-    nodata = header.get("nodata_value", header.get("nodata"))
-    degrees = _looks_like_degrees(header, dx)
+    cell = _cell(header, nrows, ncols)
+    nodata = header.get("nodata_value", header.get("nodata", header.get("null")))
     return Raster(
-        values.reshape(nrows, ncols)[::-1],
-        "ESRI ASCII grid",
-        None if dx is None or dy is None else (dx, dy),
+        values.reshape(nrows, ncols)[::-1] * header.get("multiplier", 1.0),
+        "ESRI ASCII grid" if "nrows" in header else "GRASS ASCII grid",
+        cell,
         None,
         () if nodata is None else (nodata,),
-        degrees,
+        latitude=_latitude(header, cell),
     )
 
 
-def _header(text: str) -> tuple[dict[str, float], str]:
-    """Keys and values at the beginning, and what follows them."""
+def _header(lines: list[str]) -> tuple[dict[str, float], list[str]]:
+    """Keys and values at the beginning, and the lines that follow them."""
     found: dict[str, float] = {}
-    position = 0
-    for _ in range(HEADER_LINES_MAX):
-        end = text.find("\n", position)
-        line = text[position : len(text) if end < 0 else end].strip()
-        words = line.replace("=", " ").split()
-        if line and not re.match(r"[A-Za-z_]", line):
+    count = 0
+    for line in lines[:HEADER_LINES_MAX]:
+        key = _key(line)
+        if not key:
             break
-        if words:
-            key = words[0].lower().rstrip(":")
-            if key not in ESRI_KEYS:
-                raise GroundError(f"unknown header key {words[0]!r:.40}; an ESRI ASCII grid has "
-                                  f"{', '.join(sorted(ESRI_KEYS))}")  # fmt: skip
-            if key != "byteorder":
-                found[key] = _number(words[1] if len(words) > 1 else "", words[0])
-        if end < 0:
-            position = len(text)
-            break
-        position = end + 1
-    for key in ("ncols", "nrows"):
+        count += 1
+        if key not in ESRI_KEYS and key not in GRASS_KEYS:
+            known = ", ".join(sorted(ESRI_KEYS))
+            raise GroundError(f"unknown header key {key!r:.40}; an ESRI ASCII grid has {known}")
+        if key not in ("byteorder", "type"):
+            found[key] = _number(re.split(r"[\s:=]+", line.strip())[1], key)
+    wanted = ("rows", "cols") if "rows" in found or "cols" in found else ("ncols", "nrows")
+    for key in wanted:
         if key not in found:
             raise GroundError(f"there is no {key} in its header: an ESRI ASCII grid is wanted")
-    return found, text[position:]
+    return found, lines[count:]
 
 
 def _number(word: str, key: str) -> float:
     try:
-        return float(word.replace(",", "."))
+        return float(NO_NUMBERS.get(word.lower(), word).replace(",", "."))
     except ValueError:
         raise GroundError(f"{key} must be a number, got {word!r:.40}") from None
 
 
-def _count(header: dict[str, float], key: str) -> int:
+def _count(header: Mapping[str, float], key: str) -> int:
     value = header[key]
     if not value.is_integer() or not 1 <= value < 1e9:
         raise GroundError(f"{key} must be a whole number, got {value:g}")
     return int(value)
 
 
-def _looks_like_degrees(header: dict[str, float], dx: float | None) -> bool:
-    """A cell of less than a hundredth with corners that are longitude and latitude."""
-    x = header.get("xllcorner", header.get("xllcenter", header.get("xllcentre", 0.0)))
-    y = header.get("yllcorner", header.get("yllcenter", header.get("yllcentre", 0.0)))
-    on_globe = 1.0 < abs(x) <= 180.0 and 1.0 < abs(y) <= 90.0
-    return dx is not None and dx < 0.01 and on_globe
+def _cell(header: Mapping[str, float], nrows: int, ncols: int) -> tuple[float, float] | None:
+    """The sides of a cell along x and y as they are said, or as the edges of the map have them."""
+    if {"north", "south", "east", "west"} <= header.keys():
+        wide = abs(header["east"] - header["west"]) / ncols
+        return wide, abs(header["north"] - header["south"]) / nrows
+    one = header.get("cellsize")
+    dx = header.get("dx", header.get("xcellsize", one))
+    dy = header.get("dy", header.get("ycellsize", one))
+    return None if dx is None or dy is None else (dx, dy)
 
 
-def _numbers(body: str) -> Array:
-    """All numbers of a text, however they are wrapped; a comma is a decimal point where blanks part
-    the numbers."""
-    if "," in body:
-        body = body.replace(",", ".")
-    values = np.array(body.split(), dtype=object)
-    try:
-        return values.astype(np.float64)
-    except ValueError as error:
-        raise GroundError(f"heights must be numbers: {error}") from None
-
-
-def read_csv(path: Path) -> Raster:
-    """A matrix of heights, or a list of points x, y, z; which of the two its shape and header
-    say.
+def _latitude(header: Mapping[str, float], cell: tuple[float, float] | None) -> float | None:
+    """Where the cells are degrees: of less than a hundredth, with a corner that is longitude and
+    latitude; None elsewhere.
     """
-    lines = [
-        line for line in _text(path).splitlines() if line.strip() and line.lstrip()[0] not in "#%"
-    ]
-    if not lines:
-        raise GroundError("it is empty")
-    names, rows = _table(lines)
-    width = len(rows[0])
-    for number, row in enumerate(rows, 1):
-        if len(row) != width:
-            raise GroundError(f"row {number} has {len(row)} numbers where the first has {width}")
-    check_size(len(rows), width)
-    table = np.array(rows, dtype=np.float64)
-    if _is_point_list(names, table):
-        return _points(names, table)
-    if names and not _are_numbers(names):
-        names = []
-    return Raster(table[::-1], "matrix")
+    x = _first(header, "xllcorner", "xllcenter", "xllcentre", "west")
+    y = _first(header, "yllcorner", "yllcenter", "yllcentre", "south")
+    if cell is None or not (abs(x) <= 180.0 and abs(y) <= 90.0):
+        return None
+    surely = 1.0 < abs(x) and 1.0 < abs(y)
+    largest = 0.01 if surely else CELL_MIN
+    return y if cell[0] < largest else None
 
 
-def _table(lines: Sequence[str]) -> tuple[list[str], list[list[float]]]:
-    """The words of a heading line, if there is one, and the numbers of all others."""
-    split, point = _dialect(lines)
-    names: list[str] = []
-    rows: list[list[float]] = []
-    for number, line in enumerate(lines):
-        words = [word.strip().strip('"') for word in split(line)]
-        while words and words[-1] == "":
-            words.pop()
+def _first(header: Mapping[str, float], *names: str) -> float:
+    return next((header[name] for name in names if name in header), 0.0)
+
+
+def _numbers(lines: list[str], count: int) -> Array:
+    """All numbers of a text, however they are wrapped. A comma is a decimal point where blanks
+    alone part as many words as there should be numbers.
+    """
+    body = "\n".join(lines).replace(";", " ")
+    words = body.split()
+    if "," in body and len(words) == count and not any("." in word for word in words[:count]):
+        words = body.replace(",", ".").split()
+    elif "," in body:
+        words = body.replace(",", " ").split()
+    try:
+        return np.array(words, dtype=object).astype(np.float64)
+    except ValueError:
+        return _spelled_out(words)
+
+
+def _spelled_out(words: list[str]) -> Array:
+    """As numbers, with the words for no height; names the first word that is neither."""
+    values = np.empty(len(words))
+    for k, word in enumerate(words):
         try:
-            rows.append([_value(word, point) for word in words])
+            values[k] = float(NO_NUMBERS.get(word.lower(), word))
         except ValueError:
-            if number == 0:
-                names = [word.lower() for word in words]
-                continue
-            raise GroundError(f"line {number + 1} holds what is no number: {line[:60]!r}") from None
-    if not rows:
-        raise GroundError("there are no numbers in it")
-    return names, rows
-
-
-def _value(word: str, point: str) -> float:
-    if word.lower() in ("", "nan", "na", "null"):
-        return math.nan
-    return float(word.replace(point, ".") if point != "." else word)
-
-
-def _dialect(lines: Sequence[str]) -> tuple[Callable[[str], list[str]], str]:
-    """How the numbers of a line are parted, and what the decimal point is."""
-    sample = lines[min(1, len(lines) - 1)]
-    if ";" in sample:
-        return (lambda line: line.split(";")), "," if "," in sample else "."
-    if "\t" in sample:
-        return (lambda line: line.split("\t")), "," if "," in sample else "."
-    if (
-        "," in sample
-        and re.search(r",\s|\.", sample)
-        or sample.count(",")
-        and " " not in sample.strip()
-    ):
-        return (lambda line: line.split(",")), "."
-    return (lambda line: line.split()), "," if "," in sample else "."
-
-
-def _are_numbers(names: Sequence[str]) -> bool:
-    return all(re.fullmatch(r"[-+0-9.eE]+", name) for name in names)
-
-
-def _is_point_list(names: Sequence[str], table: Array) -> bool:
-    """A heading x, y, z; or three columns of which the first two are the places of a grid."""
-    if [name[:1] for name in names[:3]] == ["x", "y", "z"] or names[:2] in (
-        ["lon", "lat"],
-        ["easting", "northing"],
-    ):
-        return bool(table.shape[1] >= 3)
-    if table.shape[1] != 3 or len(table) < 9:
-        return False
-    xs, ys = np.unique(table[:, 0]), np.unique(table[:, 1])
-    return bool(len(xs) * len(ys) == len(table) and min(len(xs), len(ys)) > 1)
-
-
-def _points(names: Sequence[str], table: Array) -> Raster:
-    """Points on a regular grid, in any order, as a matrix; a place without a point is NaN."""
-    x, y, z = table[:, 0], table[:, 1], table[:, 2]
-    dx, dy = _spacing(x, "x"), _spacing(y, "y")
-    columns = np.rint((x - x.min()) / dx)
-    rows = np.rint((y - y.min()) / dy)
-    off = np.maximum(abs((x - x.min()) / dx - columns), abs((y - y.min()) / dy - rows))
-    if off.max() > 0.05:
-        k = int(off.argmax())
-        raise GroundError(
-            f"points must lie on a grid: spacing {dx:g} x {dy:g}, but there is one at "
-            f"({x[k]:g}, {y[k]:g}); resample them first"
-        )
-    ny, nx = int(rows.max()) + 1, int(columns.max()) + 1
-    check_size(ny, nx)
-    heights = np.full((ny, nx), np.nan)
-    heights[rows.astype(int), columns.astype(int)] = z
-    return Raster(heights, "point list", (dx, dy), None, (), names[:2] == ["lon", "lat"])
-
-
-def _spacing(values: Array, axis: str) -> float:
-    places = np.unique(values)
-    steps = np.diff(places)
-    steps = steps[steps > EVEN * max(float(np.ptp(values)), 1e-12) / max(len(places), 1)]
-    if not len(steps):
-        raise GroundError(f"all points have the same {axis}")
-    return float(np.median(steps)) if np.ptp(steps) < 0.05 * steps.min() else float(steps.min())
+            raise GroundError(f"heights must be numbers, got {word!r:.40}") from None
+    return values

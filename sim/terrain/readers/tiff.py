@@ -1,8 +1,9 @@
 """TIFF and GeoTIFF: one channel of any number type, with pixel size and NODATA from the tags.
 
 The first row is north, as in every map viewer. Tags read: ModelPixelScale 33550,
-ModelTransformation 34264, GeoKeyDirectory 34735 (1024 GTModelType: 2 is degrees), GDAL_NODATA
-42113, GDAL_METADATA is not. Compressed files that tifffile cannot unpack by itself go to Pillow.
+ModelTiepoint 33922, ModelTransformation 34264, GeoKeyDirectory 34735 (1024 GTModelType: 2 is
+degrees; 3076 ProjLinearUnits), GDAL_NODATA 42113; GDAL_METADATA is not. Compressed files that
+tifffile cannot unpack by itself go to Pillow, those of 64 bits to ``tiff_codecs``.
 """
 
 from __future__ import annotations
@@ -20,13 +21,20 @@ from walking_console.planner.types import Array
 from ..generators import GroundError
 from .pictures import _one_level
 from .raster import Raster, check_size
+from .tiff_codecs import can_unpack, unpacked
 
 PIXEL_SCALE = 33550
+TIEPOINT = 33922
 TRANSFORMATION = 34264
 GEO_KEYS = 34735
+CHANNELS_MAX = 16
 GDAL_NODATA = 42113
 MODEL_TYPE_KEY = 1024
 GEOGRAPHIC = 2  # value of the model type key: longitude and latitude
+PROJECTED = 1
+UNIT_KEY = 3076  # of lengths on the map
+UNITS = {9002: 0.3048, 9003: 0.3048006096}  # EPSG: foot, US survey foot, m
+SMALL = 0.01  # degrees; a pixel this small at a longitude and latitude is one of degrees
 
 
 def read_tiff(path: Path) -> Raster:
@@ -39,28 +47,43 @@ def read_tiff(path: Path) -> Raster:
         check_size(shape[0], shape[1] if len(shape) > 1 else 1)
         values = _pixels(page, path)
         tags = {code: page.tags[code].value for code in _TAGS if code in page.tags}
-    heights = _one_channel(values)
+        alpha = _has_alpha(page)
+    heights = _one_channel(values, alpha)
+    cell = _cell(tags)
     return Raster(
-        heights[::-1],
-        f"{values.dtype} GeoTIFF" if PIXEL_SCALE in tags else f"{values.dtype} TIFF",
-        _cell(tags),
+        _north_up(heights, tags.get(TRANSFORMATION)),
+        f"{values.dtype} GeoTIFF" if cell is not None else f"{values.dtype} TIFF",
+        cell,
         None,
         _nodata(tags.get(GDAL_NODATA)),
-        _in_degrees(tags.get(GEO_KEYS)),
+        latitude=_latitude(tags, cell),
     )
 
 
-_TAGS = (PIXEL_SCALE, TRANSFORMATION, GEO_KEYS, GDAL_NODATA)
+def _has_alpha(page: Any) -> bool:
+    """Whether the last channel says how far one sees through."""
+    return any(int(kind) in (1, 2) for kind in getattr(page, "extrasamples", ()))
+
+
+def _north_up(heights: Array, transformation: Any) -> Array:
+    """The row of least y first: of a picture whose rows run south, as most do, upside down."""
+    if transformation is None:
+        return heights[::-1]
+    matrix = [float(v) for v in np.ravel(transformation)]
+    return heights if len(matrix) == 16 and matrix[5] > 0.0 else heights[::-1]
+
+
+_TAGS = (PIXEL_SCALE, TIEPOINT, TRANSFORMATION, GEO_KEYS, GDAL_NODATA)
 
 
 def _pixels(page: Any, path: Path) -> Any:
     try:
         return np.asarray(page.asarray())
     except (ValueError, KeyError, NotImplementedError) as error:  # a codec that is not installed
-        unpacked = _by_pillow(path)
-        if unpacked is None:
+        values = unpacked(page) if can_unpack(page) else _by_pillow(path)
+        if values is None:
             raise GroundError(f"compressed in a way that cannot be read here: {error}") from None
-        return unpacked
+        return values
 
 
 def _by_pillow(path: Path) -> Any:
@@ -71,43 +94,68 @@ def _by_pillow(path: Path) -> Any:
         return None
 
 
-def _one_channel(values: Any) -> Array:
-    """Heights (ny, nx) from a page of one channel, or of several equal ones."""
+def _one_channel(values: Any, alpha: bool) -> Array:
+    """Heights (ny, nx) from a page of one channel, or of several equal ones; with ``alpha`` the
+    last says where one sees through.
+    """
     if values.dtype.kind not in "fiub":
         raise GroundError(f"numbers wanted, got {values.dtype}")
-    if values.ndim == 3 and values.shape[0] in (1, 3, 4) and values.shape[2] not in (1, 3, 4):
+    if values.ndim == 3 and values.shape[0] <= CHANNELS_MAX < values.shape[2]:
         values = np.moveaxis(values, 0, -1)
+    if values.ndim == 3 and values.shape[2] == 2 and alpha:
+        values = values[..., [0, 0, 0, 1]]
     if values.ndim == 3 and values.shape[2] == 1:
         values = values[..., 0]
-    if values.ndim == 3 and values.shape[2] in (3, 4):
-        return _one_level(np.asarray(values, dtype=np.float64), values.shape[2] == 4)
+    if values.ndim == 3 and values.shape[2] == 3 + alpha:
+        return _one_level(np.asarray(values, dtype=np.float64), alpha)
+    if values.ndim == 3:
+        raise GroundError(f"one channel of heights is wanted, got {values.shape[2]}: export one")
     if values.ndim != 2:
         raise GroundError(f"one channel of heights is wanted, got an array of shape {values.shape}")
     return np.asarray(values, dtype=np.float64)
 
 
 def _cell(tags: dict[int, Any]) -> tuple[float, float] | None:
-    """Size of a pixel along x and y, in the units of the file."""
+    """Size of a pixel along x and y, m; in degrees where the file is."""
+    unit = UNITS.get(_geo_key(tags, UNIT_KEY), 1.0)
     if PIXEL_SCALE in tags:
-        scale = [float(v) for v in np.ravel(tags[PIXEL_SCALE])]
+        scale = [abs(float(v)) * unit for v in np.ravel(tags[PIXEL_SCALE])]
         if len(scale) >= 2 and scale[0] > 0.0 and scale[1] > 0.0:
             return scale[0], scale[1]
     if TRANSFORMATION in tags:
-        matrix = [float(v) for v in np.ravel(tags[TRANSFORMATION])]
+        matrix = [float(v) * unit for v in np.ravel(tags[TRANSFORMATION])]
         if len(matrix) == 16:
             return math.hypot(matrix[0], matrix[4]), math.hypot(matrix[1], matrix[5])
     return None
 
 
-def _in_degrees(keys: Any) -> bool:
-    """Whether the geo-keys name a model of longitude and latitude."""
-    if keys is None:
-        return False
-    entries = [int(v) for v in np.ravel(keys)]
-    return any(
-        entries[k] == MODEL_TYPE_KEY and entries[k + 3] == GEOGRAPHIC
-        for k in range(4, len(entries) - 3, 4)
-    )
+def _geo_key(tags: dict[int, Any], key: int) -> int:
+    """The value of a key of the GeoKeyDirectory; 0 without it."""
+    entries = [int(v) for v in np.ravel(tags.get(GEO_KEYS, ()))]
+    values = (entries[k + 3] for k in range(4, len(entries) - 3, 4) if entries[k] == key)
+    return next(values, 0)
+
+
+def _latitude(tags: dict[int, Any], cell: tuple[float, float] | None) -> float | None:
+    """Where the pixels are degrees: by the geo-keys, or small ones at a longitude and latitude
+    where there are none.
+    """
+    x, y = _corner(tags)
+    model = _geo_key(tags, MODEL_TYPE_KEY)
+    on_globe = 1.0 < abs(x) <= 180.0 and 1.0 < abs(y) <= 90.0
+    if model == GEOGRAPHIC:
+        return y
+    guessed = cell is not None and cell[0] < SMALL and on_globe and model != PROJECTED
+    return y if guessed else None
+
+
+def _corner(tags: dict[int, Any]) -> tuple[float, float]:
+    """x and y of the first pixel on the map; 0, 0 where the file does not say."""
+    tie = [float(v) for v in np.ravel(tags.get(TIEPOINT, ()))]
+    if len(tie) >= 6:
+        return tie[3], tie[4]
+    matrix = [float(v) for v in np.ravel(tags.get(TRANSFORMATION, ()))]
+    return (matrix[3], matrix[7]) if len(matrix) == 16 else (0.0, 0.0)
 
 
 def _nodata(said: Any) -> tuple[float, ...]:
@@ -116,6 +164,6 @@ def _nodata(said: Any) -> tuple[float, ...]:
         return ()
     text = said.decode("ascii", "replace") if isinstance(said, bytes) else str(said)
     try:
-        return (float(text.strip("\0 \n")),)
+        return (float(text.strip("\0 \n").replace(",", ".")),)
     except ValueError:
         return ()

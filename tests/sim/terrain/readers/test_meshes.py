@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from tests.sim.terrain.readers.files import ground, of_fixture
+from walking_console.sim.terrain.generators import GroundError
 
 
 def box(low: tuple[float, ...], high: tuple[float, ...]) -> np.ndarray:
@@ -40,5 +41,36 @@ def test_a_mesh_in_millimetres_is_brought_to_metres_by_scale(tmp_path: Path) -> 
     triangles = box((-2000.0, -2000.0, -50.0), (2000.0, 2000.0, 0.0))
     facets = b"".join(struct.pack("<12fH", 0, 0, 0, *t.ravel(), 0) for t in triangles)
     (tmp_path / "m.stl").write_bytes(b" " * 80 + struct.pack("<I", len(triangles)) + facets)
+    with pytest.raises(GroundError, match="set scale = 0.001 if it is in millimetres"):
+        ground(tmp_path / "m.stl")
     made = ground(tmp_path / "m.stl", scale=0.001)
     assert made.bounds == pytest.approx((-2.0, 2.0, -2.0, 2.0)) and made.level == 0.0
+
+
+@pytest.mark.parametrize("kind", ["stl_ascii", "stl", "ply", "obj"])
+def test_a_mesh_that_is_inside_out_has_the_same_upper_surface(tmp_path: Path, kind: str) -> None:
+    import trimesh
+
+    mesh = trimesh.creation.box(bounds=[[-2, -2, 0.0], [2, 2, 0.3]])
+    mesh.invert()
+    name = f"m.{kind.removesuffix('_ascii')}"
+    mesh.export(tmp_path / name, file_type=kind)
+    assert ground(tmp_path / name).heights == pytest.approx(0.3, abs=1e-6)
+
+
+def test_groups_materials_and_corners_counted_backwards_make_no_difference(tmp_path: Path) -> None:
+    (tmp_path / "m.obj").write_text(
+        "mtllib none.mtl\no ground\nv -2 -2 0\nv 0 -2 0\nv 0 2 0\nv -2 2 0\nusemtl red\n"
+        "f 1 2 3 4\no step\ng a b\nv 0 -2 .1\nv 2 -2 .1\nv 2 2 .1\nv 0 2 .1\nvn 0 0 1\n"
+        "f 5//1 6//1 7//1\nf -4//1 -2//1 -1//1\n"
+    )
+    made = ground(tmp_path / "m.obj")
+    assert made.height_at(-1.0, 0.5) == 0.0 and made.height_at(1.0, 0.5) == pytest.approx(0.1)
+
+
+def test_points_without_triangles_are_refused(tmp_path: Path) -> None:
+    head = "ply\nformat ascii 1.0\nelement vertex 3\n"
+    axes = "".join(f"property float {axis}\n" for axis in "xyz")
+    (tmp_path / "m.ply").write_text(head + axes + "end_header\n0 0 0\n1 0 0\n0 1 0\n")
+    with pytest.raises(GroundError, match="no triangles"):
+        ground(tmp_path / "m.ply")

@@ -42,3 +42,42 @@ def test_pixels_one_sees_through_are_holes(tmp_path: Path) -> None:
     picture.save(tmp_path / "clear.png")
     made = ground(tmp_path / "clear.png", cell=0.2, nan="hole")
     assert np.argwhere(np.isnan(made.heights)).tolist() == [[11, 3]]
+
+
+@pytest.mark.parametrize("interlace", [False, True])
+@pytest.mark.parametrize("bits", [1, 2, 4, 8, 16])
+def test_grey_of_any_depth_is_a_part_of_white(tmp_path: Path, bits: int, interlace: bool) -> None:
+    white = 2**bits - 1
+    levels = np.arange(192).reshape(12, 16) * 331 % (white + 1)
+    writer = png.Writer(16, 12, bitdepth=bits, greyscale=True, interlace=interlace)
+    with (tmp_path / "h.png").open("wb") as file:
+        writer.write(file, levels.tolist())
+    made = ground(tmp_path / "h.png", cell=0.2)
+    np.testing.assert_allclose(made.heights, levels[::-1] / white, atol=1e-12)
+
+
+@pytest.mark.parametrize("bits", [1, 2, 4, 8])
+def test_a_palette_of_greys_is_the_greys(tmp_path: Path, bits: int) -> None:
+    greys = [(255 * k // (2**bits - 1),) * 3 for k in range(2**bits)]
+    places = np.arange(192).reshape(12, 16) % 2**bits
+    with (tmp_path / "h.png").open("wb") as file:
+        png.Writer(16, 12, bitdepth=bits, palette=greys).write(file, places.tolist())
+    expected = np.array([grey[0] for grey in greys])[places] / 255.0
+    np.testing.assert_array_equal(ground(tmp_path / "h.png", cell=0.2).heights, expected[::-1])
+
+
+@pytest.mark.parametrize("bits", [1, 2, 8, 16])
+def test_the_level_that_one_sees_through_is_a_hole(tmp_path: Path, bits: int) -> None:
+    levels = np.ones((12, 16), dtype=int)
+    levels[0, 3] = 0
+    writer = png.Writer(16, 12, bitdepth=bits, greyscale=True, transparent=0)
+    with (tmp_path / "h.png").open("wb") as file:
+        writer.write(file, levels.tolist())
+    made = ground(tmp_path / "h.png", cell=0.2, nan="hole")
+    assert np.argwhere(np.isnan(made.heights)).tolist() == [[11, 3]]
+
+
+@pytest.mark.parametrize("suffix", ["jpg", "bmp", "pgm"])
+def test_other_grey_pictures_are_read_as_well(tmp_path: Path, suffix: str) -> None:
+    Image.new("L", (16, 12), 51).save(tmp_path / f"h.{suffix}")
+    assert ground(tmp_path / f"h.{suffix}", cell=0.2).heights == pytest.approx(0.2, abs=0.01)

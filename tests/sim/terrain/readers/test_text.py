@@ -21,6 +21,15 @@ WILD = {
     "decimal commas": ASCII.replace("0.5", "0,5") + ROWS.replace(" ", ",0 ").replace("\n", ",0\n"),
     "sides of their own": ASCII.replace("cellsize 0.5", "dx 0.5\ndy 0.5") + ROWS,
     "blanks before keys": ASCII.replace("\n", "\n  ") + ROWS,
+    "commas": ASCII + ROWS.replace(" ", ","),
+    "commas and blanks": ASCII + ROWS.replace(" ", ", "),
+    "semicolons": ASCII + ROWS.replace(" ", ";"),
+    "old ends of lines": (ASCII + ROWS).replace("\n", "\r"),
+    "comments before it": "# made by hand\n! twice\n" + ASCII + ROWS,
+    "equals signs": ASCII.replace(" ", " = ") + ROWS,
+    "colons": ASCII.replace(" ", ": ") + ROWS,
+    "NODATA that is no number": ASCII.replace("-9999", "NaN") + ROWS,
+    "edges as GRASS says them": "north: 1.5\nsouth: 0\neast: 2\nwest: 0\nrows: 3\ncols: 4\n" + ROWS,
     "a mark of the byte order": "\ufeff" + ASCII + ROWS,
 }
 MATRICES = {
@@ -68,12 +77,38 @@ def test_an_ascii_grid_loads_with(tmp_path: Path, what: str) -> None:
     assert made.cell == 0.5
 
 
+@pytest.mark.parametrize("name", ["h.txt", "h.grd", "h.csv", "h.dat"])
+def test_an_ascii_grid_is_known_by_its_keys_whatever_the_file_is_called(
+    tmp_path: Path, name: str
+) -> None:
+    (tmp_path / name).write_text(ASCII + ROWS)
+    assert ground(tmp_path / name, scale=0.1).cell == 0.5
+
+
+@pytest.mark.parametrize("word", ["nan", "NaN", "*", "null"])
+def test_a_word_for_no_height_is_a_hole(tmp_path: Path, word: str) -> None:
+    (tmp_path / "h.asc").write_text(ASCII + f"{word} " + ROWS[2:])
+    made = ground(tmp_path / "h.asc", scale=0.1, nan="hole")
+    assert np.argwhere(np.isnan(made.heights)).tolist() == [[2, 0]]
+
+
+@pytest.mark.parametrize("corner", [(11.0, 47.0), (0.5, 0.5)])
+def test_a_grid_in_degrees_says_the_cell_in_metres(
+    tmp_path: Path, corner: tuple[float, float]
+) -> None:
+    head = f"ncols 4\nnrows 3\nxllcorner {corner[0]}\nyllcorner {corner[1]}\ncellsize 0.00083333\n"
+    (tmp_path / "h.asc").write_text(head + ROWS)
+    with pytest.raises(GroundError, match=f"at latitude {corner[1]:g} that is cell = "):
+        ground(tmp_path / "h.asc")
+
+
 @pytest.mark.parametrize(
     ("text", "says"),
     [
         (ASCII + "1 2 3\n", "3 x 4 heights are announced, 3 are there"),
         (ASCII + ROWS.replace("7", "seven"), "heights must be numbers"),
         ("ncols 4\n" + ROWS, "no nrows in its header"),
+        ("", "it is empty"),
         ("ncols four\nnrows 3\n" + ROWS, "ncols must be a number, got 'four'"),
         ("ncols 70000\nnrows 70000\n1 2", "70000 x 70000 cells; at most"),
         ("hello 4\n" + ROWS, "unknown header key 'hello'"),

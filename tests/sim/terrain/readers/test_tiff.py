@@ -1,10 +1,12 @@
 """TIFF and GeoTIFF: any number type, and what the tags say."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import tifffile
+from PIL import Image
 
 from tests.sim.terrain.readers.files import FIXTURES, HILL, ground, of_fixture
 from walking_console.sim.terrain.generators import GroundError
@@ -42,7 +44,7 @@ def geotiff(path: Path, scale: tuple[float, float], model: int) -> None:
 def test_pixels_in_degrees_are_answered_and_a_cell_in_metres_is_taken(tmp_path: Path) -> None:
     geotiff(tmp_path / "h.tif", (0.000278, 0.000278), 2)
     with pytest.raises(
-        GroundError, match="degrees of longitude and latitude .* set cell in metres"
+        GroundError, match=r"degrees of longitude and latitude .* cell = \[30.91, 30.91\]"
     ):
         ground(tmp_path / "h.tif")
     assert ground(tmp_path / "h.tif", cell=0.2).cell == 0.2
@@ -68,3 +70,74 @@ def test_a_model_of_a_mountain_is_walked_at_its_true_size_around_the_start(tmp_p
     slope = (made.height_at(0.0, 5.0) - made.height_at(0.0, -5.0)) / 10.0
     assert slope == pytest.approx(0.1, abs=0.01)
     assert "40 x 40 of 30 m" in made.note and "around the start" in made.note
+
+
+PLACED = (33550, 12, 3, (0.2, 0.2, 0.0), False)
+
+
+@pytest.mark.parametrize("layout", [{"tile": (16, 16)}, {"rowsperstrip": 5}, {"bigtiff": True}])
+@pytest.mark.parametrize("order", ["<", ">"])
+def test_tiles_strips_and_byte_orders_make_no_difference(
+    tmp_path: Path, layout: dict[str, Any], order: str
+) -> None:
+    values = HILL.astype(np.float32)
+    tifffile.imwrite(tmp_path / "h.tif", values, byteorder=order, extratags=[PLACED], **layout)
+    made = ground(tmp_path / "h.tif")
+    np.testing.assert_array_equal(made.heights, values[::-1].astype(np.float64))
+    assert made.cell == 0.2
+
+
+@pytest.mark.parametrize("packing", ["tiff_lzw", "tiff_adobe_deflate", "packbits"])
+@pytest.mark.parametrize("kind", ["u1", "u2", "i4", "f4"])
+def test_packed_pictures_of_other_programs_load(tmp_path: Path, kind: str, packing: str) -> None:
+    values = (HILL * 20.0).astype(kind)
+    Image.fromarray(values).save(tmp_path / "h.tif", compression=packing)
+    made = ground(tmp_path / "h.tif", cell=0.2)
+    np.testing.assert_array_equal(made.heights, values[::-1].astype(np.float64))
+
+
+@pytest.mark.parametrize("said", ["-9999", "-9999.0 ", "-9.999e3", "-9999,0"])
+def test_nodata_is_understood_however_it_is_written(tmp_path: Path, said: str) -> None:
+    values = HILL.astype(np.float32)
+    values[0, 3] = -9999.0
+    tags = [PLACED, (42113, 2, len(said) + 1, said, False)]
+    tifffile.imwrite(tmp_path / "h.tif", values, extratags=tags)
+    made = ground(tmp_path / "h.tif", nan="hole")
+    assert np.argwhere(np.isnan(made.heights)).tolist() == [[11, 3]]
+
+
+def test_rows_that_run_north_are_not_turned_over(tmp_path: Path) -> None:
+    matrix = (0.2, 0, 0, 5e5, 0, 0.2, 0, 4e6, 0, 0, 0, 0, 0, 0, 0, 1)
+    tifffile.imwrite(tmp_path / "h.tif", HILL, extratags=[(34264, 12, 16, matrix, False)])
+    made = ground(tmp_path / "h.tif")
+    np.testing.assert_array_equal(made.heights, HILL)
+    assert made.cell == pytest.approx(0.2)
+
+
+def test_pixels_in_feet_are_brought_to_metres(tmp_path: Path) -> None:
+    keys = (1, 1, 0, 2, 1024, 0, 1, 1, 3076, 0, 1, 9002)
+    feet = [(33550, 12, 3, (1.0, 1.0, 0.0), False), (34735, 3, len(keys), keys, False)]
+    tifffile.imwrite(tmp_path / "h.tif", HILL, extratags=feet)
+    assert ground(tmp_path / "h.tif").cell == pytest.approx(0.3048)
+
+
+def test_small_pixels_at_a_longitude_and_latitude_are_degrees(tmp_path: Path) -> None:
+    place = [(33550, 12, 3, (1 / 3600, 1 / 3600, 0.0), False),
+             (33922, 12, 6, (0.0, 0.0, 0.0, 11.0, 60.0, 0.0), False)]  # fmt: skip
+    tifffile.imwrite(tmp_path / "h.tif", HILL, extratags=place)
+    with pytest.raises(GroundError, match=r"at latitude 60 that is cell = \[15.44, 30.89\]"):
+        ground(tmp_path / "h.tif")
+
+
+def test_a_channel_one_sees_through_makes_holes_and_other_channels_are_refused(
+    tmp_path: Path,
+) -> None:
+    grey = np.full((12, 16, 2), 255, np.uint8)
+    grey[0, 3, 1] = 0
+    layout = {"photometric": "minisblack", "planarconfig": "contig"}
+    tifffile.imwrite(tmp_path / "h.tif", grey, extrasamples=["unassalpha"], **layout)
+    made = ground(tmp_path / "h.tif", cell=0.2, scale=0.01, nan="hole")
+    assert np.argwhere(np.isnan(made.heights)).tolist() == [[11, 3]]
+    tifffile.imwrite(tmp_path / "five.tif", np.zeros((12, 16, 5), np.float32), **layout)
+    with pytest.raises(GroundError, match="one channel of heights is wanted, got 5"):
+        ground(tmp_path / "five.tif")
