@@ -7,6 +7,7 @@ PIP := $(PY) -m pip --disable-pip-version-check install --quiet
 
 ARGS ?=# more options for walking-console, e.g. make run ARGS="--port 9000"
 PYTEST_ARGS ?=# more options for pytest, e.g. make test PYTEST_ARGS="-k layers"
+JOBS ?= logical# processes the tests run in, but those in a browser: theirs come after, one by one
 
 # The four rooms under their one import name, as plain folders: what editors, mypy and other tools that do not run Python follow.
 SOURCE := $(VENV)/source/walking_console
@@ -38,7 +39,8 @@ test: $(VENV)/.installed-for-tests
 	$(PY) -m ruff format --check .
 	$(PY) -m mypy
 	@$(MAKE) --no-print-directory lint-page
-	$(PY) -m pytest $(PYTEST_ARGS)
+	$(PY) -m pytest -n $(JOBS) --dist worksteal -m "not browser" $(PYTEST_ARGS)
+	@$(PY) -m pytest -m browser $(PYTEST_ARGS) || [ $$? = 5 ]
 
 # Every other Python gets an environment of its own, .venv-3.12 and so on; the recorded walks are the first thing it has to repeat.
 PYTHONS ?= python3.12 python3.13

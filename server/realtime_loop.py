@@ -1,5 +1,5 @@
-"""The real-time loop: 50 ticks a second in a thread and an asyncio loop of its own, so that no
-socket, body or browser stalls the walk.
+"""The real-time loop: 50 ticks a second in a thread of its own, so that no socket, body or browser
+stalls the walk.
 
 Every tick of the loop takes the newest command, walks ``rate`` ticks of the simulation and
 publishes one ``Snapshot`` (one attribute, the newest wins). The schedule is absolute; a late tick
@@ -8,7 +8,6 @@ is not caught up but skipped, and said: simulated time then slips against the wa
 
 from __future__ import annotations
 
-import asyncio
 import logging
 import math
 import threading
@@ -66,7 +65,7 @@ class RealtimeLoop:
         self._play = Play()
         self._changed = False
         self._ending = False
-        self._thread = LoopThread("walking", lambda stopping: asyncio.run(self._walk(stopping)))
+        self._thread = LoopThread("walking", self._walk)
 
     # switches, for any thread
 
@@ -183,15 +182,14 @@ class RealtimeLoop:
 
     # the walking thread
 
-    async def _walk(self, stopping: threading.Event) -> None:
+    def _walk(self, stopping: threading.Event) -> None:
         raise_priority()
-        loop = asyncio.get_running_loop()
-        due = loop.time()
-        while not stopping.is_set():
-            due += TICK
-            await asyncio.sleep(due - loop.time())
-            due += TICK * self.lateness.note(max(0.0, loop.time() - due))
+        due = time.monotonic() + TICK
+        # an event's wait is exact where an asyncio loop rounds up to milliseconds
+        while not stopping.wait(max(0.0, due - time.monotonic())):
+            due += TICK * self.lateness.note(max(0.0, time.monotonic() - due))
             self.tick()
+            due += TICK
 
     def tick(self) -> None:
         """One tick of the loop: the command, the simulated ticks it is time for, one snapshot. One

@@ -17,7 +17,7 @@ from fastapi import APIRouter, WebSocket
 from starlette.types import Message
 from starlette.websockets import WebSocketDisconnect
 
-from walking_console.planner.types import TICK
+from walking_console.planner.types import TICK, Command
 from walking_console.sim.runs.runner import product_version
 from walking_console.sim.snapshot import Snapshot
 
@@ -30,7 +30,8 @@ from .state import AppState, ConsoleState
 
 DRIVE_FRAME_MAX = 4096  # bytes of one frame on /drive
 DRIVERS_MAX = 32  # sockets on /drive
-SHOW_RATE = 30.0  # Hz, snapshots to one page at most
+SHOW_RATE = 30.0  # Hz, snapshots to one page at most, but what a hand has done shows at once
+EAGER_TIME = 0.2  # s after another command in which every snapshot is shown
 SEND_TIME = 5.0  # s a page may take for one snapshot before it is cut
 CLOSE_TIME = 1.0  # s a closing socket is waited for
 REFUSALS_KEPT = 16
@@ -86,6 +87,8 @@ class DriveSocket:
         self._ping: HeardPing | None = None  # the newest, not yet answered
         self._revision = -1  # of the lease, as last said
         self._text = ""  # the snapshot last shown
+        self._command = Command()  # the one it was made under
+        self._eager_until = 0.0  # s, monotonic
         self._machine = state.loop.newest.machine  # the one whose style was sent
         self._ahead: object = None  # the foresight last shown
         self._decision: object = None  # the decision last shown
@@ -191,18 +194,36 @@ class DriveSocket:
                 await self._show_lease()
                 await self._show_snapshot()
                 await self._answer_ping()
-                await asyncio.sleep(1.0 / SHOW_RATE)
-                if self._up_to_date():
-                    await self._next_change()
+                await self._pause()
         except GONE:
             log.info("%s is too slow, or gone", self.name)
             self._lease.close(self._session)
             with contextlib.suppress(*GONE):
                 await asyncio.wait_for(self._socket.close(1008, "too slow"), CLOSE_TIME)
 
+    async def _pause(self) -> None:
+        """Until there is something to show. What a hand has done is shown at once, and so is what
+        comes of it; the walk itself at ``SHOW_RATE``.
+        """
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(1.0 / SHOW_RATE):
+                while not self._is_urgent():
+                    await self._next_change()
+        while self._up_to_date():
+            await self._next_change()
+
+    def _is_urgent(self) -> bool:
+        if self._asked() or self._state.loop.newest.command != self._command:
+            return True
+        return time.monotonic() < self._eager_until and not self._up_to_date()
+
     def _up_to_date(self) -> bool:
-        shown = self._state.text() is self._text and self._revision == self._lease.revision
-        return shown and not self._refused and self._ping is None
+        return self._state.text() is self._text and not self._asked()
+
+    def _asked(self) -> bool:
+        """Whether there is something to say beside the walk."""
+        is_new = self._revision != self._lease.revision
+        return is_new or bool(self._refused) or self._ping is not None
 
     async def _next_change(self) -> None:
         assert self._state.changes is not None
@@ -236,6 +257,9 @@ class DriveSocket:
         if text is not self._text:
             self._text = text
             newest = self._state.loop.newest
+            if newest.command != self._command:
+                self._command = newest.command
+                self._eager_until = time.monotonic() + EAGER_TIME
             await self._show_style(newest)
             await self._send(text)
             await self._show_explanations(newest)

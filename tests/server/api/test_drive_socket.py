@@ -13,6 +13,7 @@ from starlette.testclient import WebSocketDenialResponse, WebSocketTestSession
 from starlette.websockets import WebSocketDisconnect
 
 from walking_console.planner.robot.model import load_machine
+from walking_console.server.api import drive_socket
 from walking_console.server.api.drive_socket import DRIVE_FRAME_MAX, DRIVERS_MAX
 from walking_console.server.realtime_loop import RealtimeLoop
 from walking_console.sim.scenario_files import load_scenario
@@ -309,3 +310,27 @@ def test_another_machine_s_style_comes_before_its_first_snapshot(
         while (frame := one.socket.receive_json())["type"] != "style":
             assert frame["type"] != "snapshot" or frame["robot"] == "titan3"
         assert len(frame["leg_names"]) == len(one.told("snapshot")["feet"]) == 6
+
+
+def test_what_a_hand_has_done_shows_at_once_and_so_does_what_comes_of_it(
+    client: TestClient, loop: RealtimeLoop, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Pictures come once in a hundred seconds here; only what is urgent comes sooner."""
+    monkeypatch.setattr(drive_socket, "SHOW_RATE", 0.01)
+    monkeypatch.setattr(drive_socket, "EAGER_TIME", 100.0)
+    with page(client) as one:
+        one.told("snapshot")
+        one.press()
+        one.told("lease")
+        for tick in (1, 2, 3):
+            loop.tick()
+            shown = one.told("snapshot")
+            assert (shown["tick"], shown["speed_m_s"]) == (tick, 0.08)
+
+
+def test_a_refusal_shows_at_once(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(drive_socket, "SHOW_RATE", 0.01)
+    with page(client) as one:
+        one.told("snapshot")
+        one.socket.send_text("no frame")
+        assert "JSON" in one.refusal()
