@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import asyncio
 from pathlib import Path
 
 from fastapi import APIRouter, Request, WebSocket
-from fastapi.responses import FileResponse, HTMLResponse, RedirectResponse, Response
+from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from starlette.websockets import WebSocketDisconnect
 
 from walking_console.planner.robot.toml_files import is_file
 
 from ..problems import problem
+from ..static_files import answer_with, static_file
 from ..viser_bridge import ViserBridge, clean_query
 from .errors import HTTPProblem
 from .state import ConsoleState
@@ -65,7 +67,7 @@ async def index(request: Request, state: ConsoleState) -> Response:
     page = state.settings.web / "page" / "index.html"
     if not page.is_file():
         raise HTTPProblem(404, "the page is not installed")
-    return FileResponse(page, headers=page_headers(request))
+    return await _file(request, page)
 
 
 @router.get("/docs")
@@ -136,7 +138,12 @@ async def static(request: Request, path: str, state: ConsoleState) -> Response:
     found = file_under(web if parts[0] == "vendor" else web / "page", parts)
     if found is None:
         raise HTTPProblem(404, f"there is nothing at /{path[:PATH_SHOWN]}")
-    return FileResponse(found, headers=page_headers(request))
+    return await _file(request, found)
+
+
+async def _file(request: Request, path: Path) -> Response:
+    file = await asyncio.to_thread(static_file, path)
+    return answer_with(request, file, page_headers(request))
 
 
 def file_under(root: Path, parts: list[str]) -> Path | None:
