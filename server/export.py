@@ -105,6 +105,7 @@ def _to_html(directory: Path, summary: dict[str, Any], path: Path) -> None:
     from walking_console.web.scene.scene import Scene
 
     from .viser_bridge import ViserBridge
+    from .viser_recording import StreamedRecording
 
     every = max(FRAME_TICKS, -(-int(summary["ticks"]) // FRAMES_MAX))
     bridge = ViserBridge()
@@ -113,11 +114,11 @@ def _to_html(directory: Path, summary: dict[str, Any], path: Path) -> None:
         frames = _frames(directory, every)
         for snapshot in itertools.islice(frames, 1):
             scene.draw(snapshot)
-        recording = bridge.server.get_scene_serializer()
-        for snapshot in frames:
-            recording.insert_sleep(every * TICK)
-            scene.draw(snapshot)
-        path.write_text(recording.as_html(dark_mode=True), "utf-8")
+        with StreamedRecording(bridge.server) as recording:
+            for snapshot in frames:
+                recording.wait(every * TICK)
+                scene.draw(snapshot)
+            recording.write_html(path)
     finally:
         bridge.stop()
 

@@ -2,8 +2,8 @@
 
 While ``ViserServer.__init__`` runs, the function that would open its socket is replaced by one that
 only keeps the handler; that handler then runs on viser's own loop, once per WebSocket of ours, with
-``ClientStream`` in place of the connection. All viser internals this leans on are in this file, and
-``tests/server/test_viser_bridge.py`` is the contract test that a new viser must pass.
+``ClientStream`` in place of the connection. All viser internals this leans on are in this file and
+in ``viser_recording``, and their tests are the contract that a new viser must pass.
 
 Stock viser lets any client open a public tunnel, set any attribute of a GUI handle and upload
 without end: what comes up is read here first, and only the few message types a viewer needs go on.

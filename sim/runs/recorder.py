@@ -6,9 +6,7 @@ from __future__ import annotations
 
 import json
 import math
-import struct
 from array import array
-from hashlib import blake2b
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +16,7 @@ from walking_console.planner.types import TICK, Mode, StepPlan
 from walking_console.sim.requests import input_record
 from walking_console.sim.runs.ground_record import ground_arrays
 from walking_console.sim.runs.leg_log import LegLog
+from walking_console.sim.runs.state_hash import StateHash
 from walking_console.sim.simulation import Simulation
 
 SCHEMA = 1
@@ -32,9 +31,7 @@ class Recorder:
 
     def __init__(self, simulation: Simulation) -> None:
         self.simulation = simulation
-        legs = len(simulation.world.machine.legs)
-        self._pack = struct.Struct(f"<8s{6 + 3 * legs + 3}d{2 * legs + 1}B").pack
-        self.hash = bytes(8)
+        self._hash = StateHash(simulation)
         self.margin_min = float("inf")
         self.forbidden_steps = 0
         self.falls = 0
@@ -55,6 +52,11 @@ class Recorder:
         return len(self.simulation.world.machine.legs)
 
     @property
+    def hash(self) -> bytes:
+        """Of the last tick."""
+        return self._hash.digest
+
+    @property
     def ticks(self) -> int:
         """How many ticks were noted."""
         return len(self._hashes)
@@ -62,17 +64,10 @@ class Recorder:
     def note(self) -> None:
         """One row: the state at the end of the tick just run."""
         simulation = self.simulation
-        plant, walk = simulation.plant, simulation.walk
-        carrying = walk.carrying()
+        walk = simulation.walk
         mode = int(simulation.mode)
-        command = simulation.command
-        margins = simulation.margins(carrying)
-        state = [v + 0.0 for v in plant.body]  # adding 0.0 turns −0.0 into 0.0
-        for x, y, z in plant.feet:
-            state += (x + 0.0, y + 0.0, z + 0.0)
-        state += (command.crab_angle + 0.0, command.speed + 0.0, command.turn_rate + 0.0)
-        flags = bytes((*plant.soles, *carrying, mode))
-        self.hash = blake2b(self._pack(self.hash, *state, *flags), digest_size=8).digest()
+        margins = simulation.margins(walk.carrying())
+        state, flags = self._hash.note()
         floats = self._floats
         floats.append(simulation.tick_count * TICK)
         floats.extend(state)

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from walking_console.planner.types import TICK, Command
-from walking_console.sim.runs.recorder import Recorder
 from walking_console.sim.runs.run_files import read_inputs, read_log, read_run, recorded_world
+from walking_console.sim.runs.state_hash import StateHash
 from walking_console.sim.simulation import Simulation
 
 
@@ -20,7 +20,7 @@ def rerun(directory: Path) -> Iterator[tuple[Simulation, bool]]:
     recorded = read_log(directory)["hash"]
     inputs = list(reversed(list(read_inputs(directory))))
     simulation = Simulation(recorded_world(directory, summary))
-    recorder = Recorder(simulation)
+    state = StateHash(simulation)
     for index in range(len(recorded)):
         while inputs and inputs[-1][0] <= index:
             given = inputs.pop()[1]
@@ -29,8 +29,8 @@ def rerun(directory: Path) -> Iterator[tuple[Simulation, bool]]:
             else:
                 simulation.request(given)
         simulation.step()
-        recorder.note()
-        yield simulation, recorder.hash == int(recorded[index]).to_bytes(8, "little")
+        state.note()
+        yield simulation, state.digest == int(recorded[index]).to_bytes(8, "little")
 
 
 def replay(directory: Path) -> dict[str, Any]:
