@@ -128,13 +128,19 @@ TABLE = {
     "walking_console.server.viser_bridge": rule(
         f"walking_console.server walking_console.web viser {CARRIERS}"
     ),
+    # And the recording that a replay page is made of.
+    "walking_console.server.viser_recording": rule("viser msgspec zstandard"),
 }
 
 # Libraries that live in one place, so that they can be replaced there.
 ONLY_IN = {
     "pymunk": ("walking_console.sim.kinematic.contact",),
     "mujoco": ("walking_console.sim.mujoco",),
-    "viser": ("walking_console.web.scene", "walking_console.server.viser_bridge"),
+    "viser": (
+        "walking_console.web.scene",
+        "walking_console.server.viser_bridge",
+        "walking_console.server.viser_recording",
+    ),
     "png": ("walking_console.sim.terrain.readers",),
     "tifffile": ("walking_console.sim.terrain.readers",),
     "trimesh": ("walking_console.sim.terrain.readers",),
