@@ -281,6 +281,14 @@ def bench(
         _write_figures(figures, json_file)
 
 
+@app.command(hidden=True)
+def understand(path: Path, name: str) -> None:
+    """Say as JSON what a file is that somebody brought: what the console's child runs."""
+    from .uploaded_file import answer_of_child
+
+    typer.echo(answer_of_child(path, name))
+
+
 def _write_figures(figures: dict[str, Any], path: Path) -> None:
     try:
         path.write_text(json.dumps(figures, indent=2) + "\n", "utf-8")

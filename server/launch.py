@@ -39,6 +39,7 @@ from .render_loop import RenderLoop
 from .request_guard import LOOPBACK, is_address
 from .scheduling import raise_priority
 from .serve_options import LogLevel, ServeOptions
+from .uploaded_file import read_by_child
 from .uvicorn_server import ConsoleServer, config_for
 from .viser_bridge import BridgeError, ViserBridge
 
@@ -104,6 +105,7 @@ def app_settings(options: ServeOptions) -> AppSettings:
         addresses=not alone,
         token=options.token,
         sit_after=options.sit_after,
+        read_upload=read_by_child,
     )
 
 

@@ -25,6 +25,7 @@ BODY_MAX = 1024 * 1024  # bytes
 BODY_TIME = 10.0  # s a body may take
 UPLOADS = "/api/v1/uploads/"  # where files come in, which are larger and may take
 UPLOAD_TIME = 120.0  # s
+FORM_HEAD = 4096  # bytes a form has around its file
 LOOPBACK = ("localhost", "127.0.0.1", "::1")
 SAFE_METHODS = ("GET", "HEAD", "OPTIONS")
 COOKIE = "walking-console-token"
@@ -165,8 +166,8 @@ async def _whole_body(scope: Scope, receive: Receive) -> bytes | Response:
 
 def _limits(scope: Scope) -> tuple[int, float]:
     """How many bytes a body may have, and how long it may take."""
-    if scope["method"] == "PUT" and _route(scope).startswith(UPLOADS):
-        return UPLOAD_MAX, UPLOAD_TIME
+    if scope["method"] in ("PUT", "POST") and f"{_route(scope)}/".startswith(UPLOADS):
+        return UPLOAD_MAX + FORM_HEAD, UPLOAD_TIME
     return BODY_MAX, BODY_TIME
 
 

@@ -1,28 +1,24 @@
 """Height files and robots that people bring over HTTP: kept in a folder of their own under plain
-names, and read once before they are kept.
+names, and read once before they are kept, by a child that may not take much.
 """
 
 from __future__ import annotations
 
 import os
 import re
-import warnings
 from pathlib import Path
 from typing import Any
 
-from walking_console.planner.robot.model import MachineError, load_machine
 from walking_console.planner.robot.toml_files import FILE_BYTES_MAX, names_toml_file
-from walking_console.sim.drive_files import DriveFileError, read_drive
-from walking_console.sim.terrain.files import read_heights
-from walking_console.sim.terrain.generators import FileTerrain, GroundError
 from walking_console.sim.terrain.readers import READERS
+
+from .uploaded_file import PART, ReadUpload, Unreadable, understood
 
 UPLOAD_MAX = 32 * 1024 * 1024  # bytes of one file
 UPLOADS_KEPT = 100
 UPLOADS_BYTES_MAX = 500_000_000  # of all that are kept
 # letters, digits and what names need; never a path, and never a hidden file
 UPLOAD_NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,99}$"
-PART = ".part-"  # what a file is called until it has been read
 
 
 class UploadRefused(ValueError):
@@ -37,8 +33,9 @@ class UploadRefused(ValueError):
 class Uploads:
     """The folder; used from worker threads, one at a time."""
 
-    def __init__(self, data: Path) -> None:
+    def __init__(self, data: Path, read: ReadUpload = understood) -> None:
         self.folder = data.absolute() / "uploads"
+        self._read = read
 
     def names(self) -> list[str]:
         """Of all that are kept, sorted."""
@@ -59,11 +56,13 @@ class Uploads:
         part = self.folder / f"{PART}{name}"
         try:
             part.write_bytes(body)
-            understood = _understood(part, name)
+            said = self._read(part, name)
             os.replace(part, self.folder / name)
+        except Unreadable as error:
+            raise UploadRefused(422, str(error), error.faults) from None
         finally:
             part.unlink(missing_ok=True)
-        return {"name": name, "bytes": len(body), **understood}
+        return {"name": name, "bytes": len(body), **said}
 
     def remove(self, name: str) -> None:
         """Keep it no longer."""
@@ -87,45 +86,3 @@ class Uploads:
 
 def _is_name(name: str) -> bool:
     return re.fullmatch(UPLOAD_NAME, name) is not None
-
-
-def _understood(path: Path, name: str) -> dict[str, Any]:
-    """What a file was taken for. A ground that needs a key of [terrain] is kept and says which."""
-    if names_toml_file(name):
-        return {"kind": "robot", "note": _robot(path)}
-    hand = _hand(path) if path.suffix.lower() == ".csv" else ""
-    if hand:
-        return {"kind": "hand", "note": hand}
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            READERS[path.suffix.lower()](path)
-    # broken files raise whatever the decoders underneath happen to: struct, zlib, tokenize ...
-    except Exception as error:
-        reason = " ".join(str(error).replace(path.name, name).split())[:200]
-        raise UploadRefused(
-            422, f"{name} cannot be read: {reason or type(error).__name__}"
-        ) from None
-    try:
-        read = read_heights(FileTerrain(kind="file", file=str(path)), None)
-    except GroundError as error:
-        return {"kind": "ground", "note": "", "needs": str(error).replace(str(path), name)}
-    return {"kind": "ground", "note": read.note}
-
-
-def _hand(path: Path) -> str:
-    """What a recorded hand is; '' for a file that is none."""
-    try:
-        entries = read_drive(path, path.name)
-    except DriveFileError:
-        return ""
-    return f"{len(entries)} commands in {entries[-1]['t'] - entries[0]['t']:g} s"
-
-
-def _robot(path: Path) -> str:
-    try:
-        machine = load_machine(str(path))
-    except MachineError as error:
-        faults = tuple(fault.replace(str(path), path.name[len(PART) :]) for fault in error.faults)
-        raise UploadRefused(422, "; ".join(faults), faults) from None
-    return f"{machine.name}: {machine.title} ({len(machine.legs)} legs)"

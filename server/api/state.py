@@ -25,6 +25,7 @@ from ..run_jobs import RunJobs
 from ..serve_options import DATA
 from ..sessions import SIT_AFTER
 from ..sweep_jobs import SweepJobs
+from ..uploaded_file import ReadUpload, understood
 from ..uploads import Uploads
 from ..viser_bridge import ViserBridge
 
@@ -45,6 +46,8 @@ class AppSettings:
     addresses: bool = False
     token: str | None = None
     sit_after: float = SIT_AFTER  # s; 0: never
+    # what reads a file somebody brings; a served console has a child with limits do it
+    read_upload: ReadUpload = understood
     # page/ and vendor/
     web: Path = field(default_factory=lambda: Path(str(resources.files("walking_console.web"))))
 
@@ -89,7 +92,7 @@ class AppState:
         self.queue = JobQueue()
         self.jobs = RunJobs(settings.data, self.queue)
         self.sweeps = SweepJobs(settings.data, self.queue)
-        self.uploads = Uploads(settings.data)
+        self.uploads = Uploads(settings.data, settings.read_upload)
         self.changes: ChangeSignal | None = None
         self.drivers: set[str] = set()  # names of the sockets on /drive
         self.started = time.monotonic()

@@ -116,11 +116,6 @@ def test_only_what_was_sent_may_be_named(client: TestClient, scenario: dict[str,
     assert "PUT /api/v1/uploads/NAME: ground.npy" in refusal["detail"]
 
 
-def test_a_multipart_form_is_told_how_to_send_the_file(client: TestClient) -> None:
-    answer = client.put(f"{UPLOADS}/a.npy", files={"file": b"x"})
-    assert "curl -T" in problem_of(answer, 415)["detail"]
-
-
 def test_no_more_is_kept_than_there_is_room_for(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

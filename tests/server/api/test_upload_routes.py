@@ -23,9 +23,28 @@ def test_a_file_is_kept_listed_and_removed(client: TestClient) -> None:
     assert client.get(UPLOADS).json() == {"uploads": []}
 
 
-def test_a_form_is_answered_with_how_to_send_the_file(client: TestClient) -> None:
-    answer = client.put(f"{UPLOADS}/level.npy", files={"file": ground()})
-    assert "curl -T FILE" in str(problem_of(answer, 415))
+def test_a_form_with_a_file_is_the_file_under_the_name_it_is_put_to(client: TestClient) -> None:
+    form = {"file": ("other.npy", ground())}
+    answer = client.put(f"{UPLOADS}/level.npy", files=form, data={"note": "mine"})
+    assert answer.status_code == 201, answer.text
+    assert answer.json()["bytes"] == len(ground())
+    assert client.get(UPLOADS).json() == {"uploads": ["level.npy"]}
+
+
+def test_the_files_of_a_form_are_kept_under_their_own_names(client: TestClient) -> None:
+    form = [("file", ("a.npy", ground())), ("file", ("C:\\grounds\\b.npy", ground()))]
+    answer = client.post(UPLOADS, files=form)
+    assert answer.status_code == 201, answer.text
+    assert [said["name"] for said in answer.json()] == ["a.npy", "b.npy"]
+    assert client.get(UPLOADS).json() == {"uploads": ["a.npy", "b.npy"]}
+
+
+def test_a_form_without_a_file_and_a_bad_file_in_one_are_refused(client: TestClient) -> None:
+    empty = client.post(UPLOADS, files={"file": (None, "text")})
+    assert "curl -F file=@ground.png" in str(problem_of(empty, 422))
+    bad = client.post(UPLOADS, files={"file": ("a.npy", b"no array")})
+    assert "a.npy cannot be read" in str(problem_of(bad, 422))
+    assert "form is wanted" in str(problem_of(client.post(UPLOADS, content=b"x"), 415))
     assert client.get(UPLOADS).json() == {"uploads": []}
 
 
