@@ -12,7 +12,13 @@ import math
 from functools import cached_property
 
 from ..geometry.transforms import Body, left_fold_sum
-from ..motion.body_height import body_height, ground_ahead, height_range, torso_clearance
+from ..motion.body_height import (
+    body_height,
+    clears_all,
+    ground_ahead,
+    height_range,
+    torso_clearance,
+)
 from ..motion.step_builder import with_feet
 from ..motion.swing import CLEARANCE
 from ..robot.collision import SteppingLegs, something_tall
@@ -177,8 +183,10 @@ class FootholdChecks:
         return low + self.machine.z_range[1] + self.machine.overreach[2]
 
     def torso_needs(self, g: float, height: float) -> float:
-        """Lowest CoG at N_{k+1} at which the torso clears the ground there, m; less than that where
-        ``height`` will do.
+        """Lowest CoG at N_{k+1} at which the torso clears the ground there, m; -inf when ``height``
+        clears all of the map.
         """
+        if clears_all(self.terrain, self.machine, height):
+            return -math.inf
         x, y, _, yaw = self.body_at(g, height)
         return torso_clearance(self.terrain, self.machine, x, y, yaw, height)

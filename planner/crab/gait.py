@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 from ..geometry.paths import ArcPath, Box, arc_exit, arc_of_command, line_exit
+from ..geometry.polygons import Polygon, convex_hull
 from ..geometry.transforms import XY, direction
 from ..initial_stance import Placement, standing
 from ..motion.leg_order import MATES, SAME_SIDE, LegOrder, order_on, standard_order
@@ -115,6 +116,11 @@ class Posture:
         exits = [line_exit(fx, fy, box, ux, uy) for (fx, fy), box in reach]
         return tuple([exit_ if exit_ > 0.0 else 0.0 for exit_ in exits])
 
+    @cached_property
+    def support(self) -> Polygon:
+        """The support polygon of all four feet."""
+        return convex_hull(self.feet)
+
     def turned(self, dx: float, dy: float) -> XY:
         """A vector of the gait frame in the absolute one."""
         return self.c * dx - self.s * dy, self.s * dx + self.c * dy
@@ -182,6 +188,8 @@ def nominal_gait_of(
 
 def turns(command: Command, machine: Machine) -> bool:
     """True when the path of a command bends enough to be an arc."""
+    if command.turn_rate == 0.0:
+        return False
     pace = math.hypot(command.speed, machine.yaw_length * command.turn_rate)
     return abs(command.turn_rate) > STRAIGHT * pace
 

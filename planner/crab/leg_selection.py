@@ -12,10 +12,10 @@ import math
 from collections.abc import Callable, Iterator
 from itertools import chain
 
-from ..geometry.polygons import Polygon, convex_hull
+from ..geometry.polygons import Polygon, triangle
 from ..geometry.transforms import direction
 from ..motion.leg_order import IS_FRONT, OTHERS, SUCCESSOR
-from ..stability import stable_interval, stable_on, support_polygon
+from ..stability import stable_interval, stable_on
 from ..terrain.cells import FootholdMap
 from .decision_log import DecisionLog, StepRefusal, note_cell, note_leg, note_reason
 from .foothold_search import domain_of, landings
@@ -62,7 +62,7 @@ def triangle_of(posture: Posture, leg: int) -> Polygon:
     """The support polygon of the legs that stay when ``leg`` swings."""
     i, j, k = OTHERS[leg]
     feet = posture.feet
-    return convex_hull((feet[i], feet[j], feet[k]))
+    return triangle(feet[i], feet[j], feet[k])
 
 
 def shift_of(posture: Posture, leg: int, margin: float | None = None) -> Shift | StepRefusal:
@@ -162,7 +162,7 @@ def planned_margin(posture: Posture, shift: Shift) -> float:
     """Least longitudinal margin of a step against the feet that carry in each phase (H §2.4)."""
     margin = min(shift.g0 - shift.low, shift.high - shift.g)
     if shift.g0 > 0.0:
-        low, high = stable_on(posture.nominal.path, support_polygon(posture.feet))
+        low, high = stable_on(posture.nominal.path, posture.support)
         margin = min(margin, -low, high - shift.g0)
     return margin
 
@@ -170,7 +170,7 @@ def planned_margin(posture: Posture, shift: Shift) -> float:
 def body_shift_to(posture: Posture, x: float, y: float) -> BodyShift:
     """The four-leg shift to (x, y) with the margin it keeps along its way."""
     way = math.hypot(x, y)
-    low, high = stable_interval(support_polygon(posture.feet), 0.0, 0.0, x / way, y / way)
+    low, high = stable_interval(posture.support, 0.0, 0.0, x / way, y / way)
     return BodyShift(x, y, min(-low, high - way))
 
 

@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from itertools import chain
 
-from ..geometry.paths import arc_exit, corners_of_box
+from ..geometry.paths import arc_exit, corners_of_box, line_exit
 from ..geometry.transforms import XY, turned_back
 from ..motion.quarter_turns import quarter_turned
 from ..motion.step_builder import plan_of_one_foot, plan_on_all_feet
@@ -192,11 +192,14 @@ def _room(nominal: NominalGait, posture: Posture, step: SwingStep) -> tuple[floa
     """
     path = nominal.path
     box = nominal.far_boxes[step.leg]
+    fx, fy = posture.feet[step.leg]
     x, y = path.seen(step.landing.x, step.landing.y, step.g)
-    behind = arc_exit(*posture.feet[step.leg], box, path) - step.g0
-    beyond = arc_exit(x, y, box, path.reversed())
     if path.turn == 0.0:
+        behind = line_exit(fx, fy, box, path.ux, path.uy) - step.g0
+        beyond = line_exit(x, y, box, -path.ux, -path.uy)
         return max(behind, STRETCHED_LIFT_ROOM), max(beyond, STRETCHED_LIFT_ROOM)
+    behind = arc_exit(fx, fy, box, path) - step.g0
+    beyond = arc_exit(x, y, box, path.reversed())
     # a foot that touches early, at mid-descent, is no farther than that beyond its place
     drift = max(*map(abs, path.rate(x, y)), 1e-9)
     return max(behind, EARLY / 2), min(max(beyond, EARLY / 2), 2 * EARLY / drift)

@@ -22,7 +22,7 @@ from ..geometry.transforms import XY, left_fold_sum
 from ..motion.step_builder import changed
 from ..protocols import PlanningJob
 from ..search import Branch, Option, Search, beam, firsts, uninterruptible
-from ..stability import polygon_margin_on, stable_on, support_polygon
+from ..stability import polygon_margin_on, stable_on
 from ..terrain.cells import FootholdMap, cells_around, foothold_map
 from ..types import Blocked, Reason, StepPlan
 from .candidates import entry_of, shift_room, shortest_shift
@@ -187,7 +187,7 @@ class TurnSearch:
         """True when the body stays over its four feet until g0."""
         if g0 <= 0.0:
             return True
-        low, high = stable_on(self.arc, support_polygon(node.posture.feet), -SLACK)
+        low, high = stable_on(self.arc, node.posture.support, -SLACK)
         return low <= 0.0 and high >= g0
 
     def swings(self, node: TurnNode, shift: Shift | None, depth: int) -> Iterator[SwingStep]:
@@ -328,7 +328,7 @@ def _planned(
 def _least_margin(posture: Posture, step: SwingStep) -> float:
     """Least polygon margin of a step, first on all feet, then on those that stay."""
     path = posture.nominal.path
-    on_four = polygon_margin_on(path, support_polygon(posture.feet), 0.0, step.g0)
+    on_four = polygon_margin_on(path, posture.support, 0.0, step.g0)
     return min(on_four, polygon_margin_on(path, triangle_of(posture, step.leg), step.g0, step.g))
 
 

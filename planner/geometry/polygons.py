@@ -12,7 +12,18 @@ from .transforms import XY
 
 Polygon = tuple[XY, ...]  # corners, counter-clockwise
 
+CLEARLY = 1e-9  # m²; a corner with less area to its left may be none for rounding
 ROUNDING = 1e-9 / 4  # a corner this far outside a cut is on it: a polygon may be a mere line
+
+
+def triangle(a: XY, b: XY, c: XY) -> Polygon:
+    """The triangle of three points, counter-clockwise; two corners if they are on one line."""
+    twice_area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+    if twice_area > 0.0:
+        return a, b, c
+    if twice_area < 0.0:
+        return a, c, b
+    return _hull([a, b, c])
 
 
 def convex_hull(points: Iterable[Sequence[float]]) -> Polygon:
@@ -20,13 +31,31 @@ def convex_hull(points: Iterable[Sequence[float]]) -> Polygon:
     degenerate.
     """
     flat = [(p[0], p[1]) for p in points]
-    if len(flat) == 3:
-        a, b, c = flat
-        twice_area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-        if twice_area > 0.0:
-            return a, b, c
-        if twice_area < 0.0:
-            return a, c, b
+    count = len(flat)
+    if count == 3:
+        return triangle(*flat)
+    if count == 4 and _goes_round(*flat):
+        first = flat.index(min(flat))
+        return (*flat[first:], *flat[:first])
+    return _hull(flat)
+
+
+def _goes_round(a: XY, b: XY, c: XY, d: XY) -> bool:
+    """True when four points are the corners of their hull already, in its order, and clearly so."""
+    ax, ay = a
+    bx, by = b
+    cx, cy = c
+    dx, dy = d
+    return (
+        (bx - ax) * (cy - by) - (by - ay) * (cx - bx) > CLEARLY
+        and (cx - bx) * (dy - cy) - (cy - by) * (dx - cx) > CLEARLY
+        and (dx - cx) * (ay - dy) - (dy - cy) * (ax - dx) > CLEARLY
+        and (ax - dx) * (by - ay) - (ay - dy) * (bx - ax) > CLEARLY
+    )
+
+
+def _hull(flat: list[XY]) -> Polygon:
+    """As ``convex_hull``, corners from the least x on; sorts what it is given."""
     flat.sort()
     if len(flat) < 3:
         return tuple(flat)

@@ -54,6 +54,11 @@ def height_range(machine: Machine, heights: Sequence[float]) -> tuple[float, flo
     return max(heights) - high, min(heights) - low
 
 
+def clears_all(terrain: TerrainMap, machine: Machine, z: float) -> bool:
+    """True when the torso of a body at height ``z`` passes over everything on the map."""
+    return terrain.highest + machine.torso[2] / 2 + CLEARANCE <= z
+
+
 def torso_needs(terrain: TerrainMap, machine: Machine, x: float, y: float, yaw: float) -> float:
     """Lowest CoG at which the torso at (x, y, yaw) passes over the ground, m; -inf where there is
     none. First a square around it.
@@ -90,9 +95,7 @@ def torso_clearance(
     terrain: TerrainMap, machine: Machine, x: float, y: float, yaw: float, height: float = -math.inf
 ) -> float:
     """Lowest CoG at which the torso at (x, y, yaw) clears the ground, m; looked at exactly only
-    where the quick look wants more than ``height``; -inf when that clears all of the map.
+    where the quick look wants more than ``height``.
     """
-    if terrain.highest + machine.torso[2] / 2 + CLEARANCE <= height:
-        return -math.inf
     needs = torso_needs(terrain, machine, x, y, yaw)
     return needs if needs <= height else torso_needs_exactly(terrain, machine, x, y, yaw)

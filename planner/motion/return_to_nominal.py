@@ -21,7 +21,7 @@ from ..robot.model import Machine
 from ..stability import polygon_margin, support_polygon
 from ..terrain.map import TerrainMap
 from ..types import TICK, Blocked, Gait, Point, Reason, Stance, StepPlan
-from .body_height import torso_clearance
+from .body_height import clears_all, torso_clearance
 from .postures import STILL, PlanSequence, height_limits, in_the_air, shifted, standing_height
 from .step_builder import FootWay, body_still_plan, changed, holding_plan
 from .swing import CLEARANCE, STRETCHES, SwingCorners, lift, profile_of, swing_speeds
@@ -361,7 +361,7 @@ class _OrderSearch:
         """Lowest CoG that clears the ground all the way from here to (u, v), m."""
         task = self.task
         z = body[2]
-        if task.terrain.highest + task.machine.torso[2] / 2 + CLEARANCE <= z:
+        if clears_all(task.terrain, task.machine, z):
             return -math.inf
         count = max(1, math.ceil(math.hypot(u - body[0], v - body[1]) / TORSO_LOOK))
         needs = []

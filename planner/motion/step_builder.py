@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import chain
 from typing import Any, NamedTuple, TypedDict, Unpack
 
 import numpy as np
@@ -23,8 +24,9 @@ from ..types import TICK, Array, Phase, Point, Stance, StepPlan
 from .swing import Profile, between
 
 Feet = tuple[Point, ...]
-# s from the step-switching point, the body and the swing foot then, absolute frame
-FootKnot = tuple[float, Body, Point]
+# s from the step-switching point, and x, y, z, yaw of the body and x, y, z of the swing foot then
+FootKnot = tuple[float, float, float, float, float, float, float, float]
+KNOT = 8  # numbers of one
 
 
 class FootWay(NamedTuple):
@@ -66,15 +68,27 @@ def plan_from_knots(
     """The plan through m knots: ``times`` (m,) in s, ``body`` (m, 4), ``feet`` (m, n_legs, 3), and
     a phase for each of the m - 1 stretches between them.
     """
-    return StepPlan(
+    return _plan_of(
         swing,
         np.asarray(times, dtype=np.float64),
         np.asarray(body, dtype=np.float64),
         np.asarray(feet, dtype=np.float64),
         phases,
         end,
-        **facts,
+        facts,
     )
+
+
+def _plan_of(
+    swing: tuple[int, ...],
+    times: Array,
+    body: Array,
+    feet: Array,
+    phases: tuple[Phase, ...],
+    end: Stance,
+    facts: StepFacts,
+) -> StepPlan:
+    return StepPlan(swing, times, body, feet, phases, end, **facts)
 
 
 def plan_of_one_foot(
@@ -85,18 +99,15 @@ def plan_of_one_foot(
     end: Stance,
     **facts: Unpack[StepFacts],
 ) -> StepPlan:
-    """The plan of a step of one leg: its foot and the body go along ``knots`` (time, body, foot),
-    all other feet of ``stance`` stay.
+    """The plan of a step of one leg: its foot and the body go along ``knots``, all other feet of
+    ``stance`` stay.
     """
-    before = [v for foot in stance.feet[:leg] for v in foot]
-    behind = [v for foot in stance.feet[leg + 1 :] for v in foot]
-    flat: list[float] = []
-    for time, body, foot in knots:
-        flat += (time, *body, *before, *foot, *behind)
-    count = len(knots)
-    table = np.array(flat).reshape(count, -1)
-    feet = table[:, 5:].reshape(count, len(stance.feet), 3)
-    return plan_from_knots((leg,), table[:, 0], table[:, 1:5], feet, tuple(phases), end, **facts)
+    flat = chain.from_iterable(knots)
+    table = np.fromiter(flat, np.float64, KNOT * len(knots)).reshape(-1, KNOT)
+    feet = np.empty((len(knots), len(stance.feet), 3))
+    feet[:] = stance.feet
+    feet[:, leg] = table[:, 5:]
+    return _plan_of((leg,), table[:, 0], table[:, 1:5], feet, tuple(phases), end, facts)
 
 
 def body_still_plan(

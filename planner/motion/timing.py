@@ -131,30 +131,67 @@ class BodyWay:
         """
         if self.path.turn != 0.0:
             return self._bent_stretch(phase, time, share, a, b, profile)
+        if phase is Phase.RETURN:
+            return self._straight_return(time, share, a, b, profile)
         x, y, z, yaw = self.body
         dx = self.dx
         dy = self.dy
         dz = self.dz
         (t, duration) = time
         (begin, way) = share
-        carried = way if phase is Phase.RETURN else 0.0
-        cx = carried * dx
-        cy = carried * dy
-        cz = carried * dz
-        rx = b[0] - a[0] - cx
-        ry = b[1] - a[1] - cy
-        rz = b[2] - a[2] - cz
         ax, ay, az = a
+        rise = b[2] - az
         rows: list[FootKnot] = []
         for tau, eased in profile:
             w = begin + tau * way
-            body = (x + w * dx, y + w * dy, z + w * dz, yaw)
-            foot = (
-                ax + tau * cx + eased * rx,
-                ay + tau * cy + eased * ry,
-                az + tau * cz + eased * rz,
+            rows.append(
+                (
+                    t + tau * duration,
+                    x + w * dx,
+                    y + w * dy,
+                    z + w * dz,
+                    yaw,
+                    ax,
+                    ay,
+                    az + eased * rise,
+                )
             )
-            rows.append((t + tau * duration, body, foot))
+        return rows
+
+    def _straight_return(
+        self, time: Span, share: Span, a: Point, b: Point, profile: Profile
+    ) -> list[FootKnot]:
+        """The return along a line: the body carries the foot along, and it goes the rest by
+        itself.
+        """
+        x, y, z, yaw = self.body
+        dx = self.dx
+        dy = self.dy
+        dz = self.dz
+        (t, duration) = time
+        (begin, way) = share
+        cx = way * dx
+        cy = way * dy
+        cz = way * dz
+        ax, ay, az = a
+        rx = b[0] - ax - cx
+        ry = b[1] - ay - cy
+        rz = b[2] - az - cz
+        rows: list[FootKnot] = []
+        for tau, eased in profile:
+            w = begin + tau * way
+            rows.append(
+                (
+                    t + tau * duration,
+                    x + w * dx,
+                    y + w * dy,
+                    z + w * dz,
+                    yaw,
+                    ax + tau * cx + eased * rx,
+                    ay + tau * cy + eased * ry,
+                    az + tau * cz + eased * rz,
+                )
+            )
         return rows
 
     def _bent_stretch(
@@ -171,7 +208,7 @@ class BodyWay:
                 foot = point_placed(body, between(from_b, to_b, eased))
             else:
                 foot = a[0], a[1], a[2] + eased * (b[2] - a[2])
-            rows.append((t + tau * duration, body, foot))
+            rows.append((t + tau * duration, *body, *foot))
         return rows
 
     def pieces(self, way: float) -> int:
@@ -214,7 +251,9 @@ def speed_standing(n: Point, limits: Point) -> float:
     fastest = math.inf
     for m, limit, part in zip(n, limits, (1.0, 1.0, CLIMB_SHARE), strict=True):
         if abs(m) > 1e-12:
-            fastest = min(fastest, limit * part / abs(m))
+            at_most = limit * part / abs(m)
+            if at_most < fastest:
+                fastest = at_most
     return fastest
 
 
@@ -257,7 +296,9 @@ def timing(
     limits = swing_speeds(machine, gait)
     g_u = demand.g - demand.g0
     slope = demand.slope
-    standing = min([speed_standing((nx, ny, slope), limits) for nx, ny in demand.courses])
+    standing = math.inf
+    for nx, ny in demand.courses:
+        standing = min(standing, speed_standing((nx, ny, slope), limits))
     v, v_max, up, down = _swing_speed(machine.speed[2], gait, demand, limits, (command, standing))
     if g_u > 0.0:
         back = g_u / v - (up + down)  # H §7 (29)
@@ -281,7 +322,6 @@ def _swing_speed(
     the commanded speed and that at which standing legs keep their limits.
     """
     command, standing = at_most
-    kappa = peak(profile_of(gait))
     g_u = demand.g - demand.g0
     (nx, ny) = demand.courses[0]
     slope = demand.slope
@@ -290,7 +330,7 @@ def _swing_speed(
     # the body's own climb slows the lift, and the slower lift the climb: the second pass is
     # feasible
     for _ in range(2):
-        lift = (lifting_speed - sinking) / kappa
+        lift = limits[2] if sinking == 0.0 else (lifting_speed - sinking) / peak(profile_of(gait))
         up = demand.rise / lift
         down = demand.drop / lift
         if g_u <= 0.0:
@@ -307,8 +347,8 @@ def _swing_speed(
         )
         v = min(v_max, command) if command > 0.0 else v_max
         sinking = abs(v_max * slope)
-        if sinking == 0.0:
-            break
+        if lifting_speed - sinking == lifting_speed:
+            break  # another pass would find the same
     return v, v_max, up, down
 
 
@@ -333,14 +373,14 @@ def knots(
     Up and down are vertical in the absolute frame; the return is eased against the body, so that
     the servo's own speed is what is bounded.
     """
-    out: list[FootKnot] = [(0.0, way.body, swing.stand)]
+    out: list[FootKnot] = [(0.0, *way.body, *swing.stand)]
     phases: list[Phase] = []
     t = clock.support
     share = g0 / way.g if way.g > 0.0 else 0.0
     if t > 0.0:
         pieces = way.pieces(share)
         for k in range(1, pieces + 1):
-            out.append((t * k / pieces, way.at(share * k / pieces), swing.stand))
+            out.append((t * k / pieces, *way.at(share * k / pieces), *swing.stand))
             phases.append(Phase.SUPPORT)
     rate = (1.0 - share) / (clock.up + clock.back + clock.down)  # of the body's way, per second
     durations = clock.up, clock.back, clock.down
@@ -351,10 +391,11 @@ def knots(
         rows = way.stretch(phase, (t, duration), (share, gone), a, b, profile)
         t += duration
         share += gone
-        rows[-1] = (t, rows[-1][1], b)
+        _, x, y, z, yaw, *_ = rows[-1]
+        rows[-1] = (t, x, y, z, yaw, *b)
         out += rows
         phases += [phase] * len(rows)
-    out[-1] = (t, way.end, swing.aim)
+    out[-1] = (t, *way.end, *swing.aim)
     return out, phases
 
 

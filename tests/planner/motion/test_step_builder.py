@@ -56,7 +56,7 @@ def test_whole_numbers_become_floats() -> None:
 
 
 def test_in_a_plan_of_one_foot_all_others_stay() -> None:
-    knots = [(0.0, BODY, FEET[1]), (0.5, AHEAD, TOP)]
+    knots = [(0.0, *BODY, *FEET[1]), (0.5, *AHEAD, *TOP)]
     plan = plan_of_one_foot(STANCE, 1, knots, [Phase.UP], STANCE)
     assert plan.swing == (1,)
     assert plan.feet[:, 1].tolist() == [list(FEET[1]), list(TOP)]
