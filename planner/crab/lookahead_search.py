@@ -264,8 +264,9 @@ def is_open(context: SearchContext) -> bool:
     nominal = context.nominal
     ux, uy, _ = nominal.path
     way = (DEPTH + 2) * standard_way(nominal)
-    x_reach = max(abs(v) for box in nominal.boxes for v in box[:2])
-    y_reach = max(abs(v) for box in nominal.boxes for v in box[2:])
+    x1, x2, y1, y2 = nominal.boxes[0]  # the others are its images in the axes
+    x_reach = max(abs(x1), abs(x2))
+    y_reach = max(abs(y1), abs(y2))
     corners = [
         context.start.posture.absolute(x + dx, y + dy)
         for x in (-x_reach, x_reach)

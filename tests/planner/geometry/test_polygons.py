@@ -1,14 +1,48 @@
 """Cutting convex polygons, and their nearest points."""
 
 import math
+from itertools import permutations
 
 import numpy as np
 import pytest
 
-from walking_console.planner.geometry.polygons import beside, clipped, inside_of, nearest_of
+from walking_console.planner.geometry.polygons import (
+    beside,
+    clipped,
+    convex_hull,
+    inside_of,
+    nearest_of,
+    triangle,
+)
 from walking_console.planner.stability import polygon_margin, support_polygon
 
 SQUARE = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
+
+
+@pytest.mark.parametrize("count", [3, 4, 5])
+def test_a_hull_turns_left_around_all_points_wherever_it_is_begun(count):
+    """In every order of the points, those among them in which the legs of a machine stand."""
+    rng = np.random.default_rng(count)
+    for _ in range(100):
+        points = [tuple(point) for point in rng.integers(-3, 4, (count, 2)).tolist()]
+        hulls = [convex_hull(order) for order in permutations(points)]
+        assert len({frozenset(hull) for hull in hulls}) == 1
+        for hull in hulls:
+            if len(hull) < 3:
+                continue
+            for a, b in zip(hull, hull[1:] + hull[:1], strict=True):
+                lefts = [cross(a, b, point) for point in points]
+                assert min(lefts) >= 0 and max(lefts) > 0
+                assert all(cross(a, b, corner) > 0 for corner in hull if corner not in (a, b))
+
+
+def cross(a, b, point):
+    return (b[0] - a[0]) * (point[1] - a[1]) - (b[1] - a[1]) * (point[0] - a[0])
+
+
+def test_a_triangle_of_three_points_on_one_line_is_that_line():
+    assert triangle((0.0, 0.0), (2.0, 0.0), (1.0, 0.0)) == ((0.0, 0.0), (2.0, 0.0))
+    assert triangle((0.0, 0.0), (0.0, 1.0), (1.0, 0.0)) == ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))
 
 
 def test_a_cut_keeps_one_side_of_its_line():
