@@ -151,7 +151,9 @@ def _entry(values: Entry, before: Sequence[Entry]) -> Entry:
         angle = math.degrees(math.atan2(y, x)) if speed else direction
         turn = values.get("wz", 0.0)
     else:
-        speed, angle, turn = values["speed"], values.get("alpha", 0.0), values.get("turn", 0.0)
+        speed = values["speed"]
+        angle = values.get("alpha", 0.0)
+        turn = values.get("turn", 0.0)
     if speed < 0.0:
         speed = -speed
         angle += 180.0

@@ -87,7 +87,8 @@ class Perception:
 
         Never in the middle of planning from a stand: it would begin anew at every scan.
         """
-        mapper, sensor = self.mapper, self.range_sensor
+        mapper = self.mapper
+        sensor = self.range_sensor
         if mapper is None:
             return
         scans = sensor is not None and tick % sensor.settings.every == 0

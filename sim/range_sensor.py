@@ -151,7 +151,8 @@ class RangeSensor:
 
     def _lowest(self, body: Sequence[float], bearings: Array) -> Array:
         """Elevation of the lowest ray of every bearing, rad, on the tilted body (small tilts)."""
-        settings, (_, _, _, roll, pitch, _) = self.settings, body
+        settings = self.settings
+        (_, _, _, roll, pitch, _) = body
         ahead, left = directions(bearings)
         middle = -math.radians(settings.pitch_deg) - pitch * ahead + roll * left
         return np.asarray(middle - math.radians(settings.height_deg) / 2)
@@ -182,7 +183,8 @@ class RangeSensor:
         """The ground under every ray: flat cell index, height (−inf where there is none) and
         whether it is a hole, each (bearings, distances).
         """
-        ground, d = self.ground, self.distances
+        ground = self.ground
+        d = self.distances
         x, y, _ = place
         along_x, along_y = directions(bearings)
         columns = _cells(x - ground.origin[0] + along_x[:, None] * d, ground.cell)
@@ -211,7 +213,8 @@ class _Fan(NamedTuple):
         """Which samples of the profiles are met from above, at what height the highest ray came in
         there, which are met from the side, and which holes are looked into.
         """
-        d, z = self.distances, self.height
+        d = self.distances
+        z = self.height
         skyline = np.maximum.accumulate(np.arctan2(heights - z, d), axis=1)
         # rays that end no farther than here
         ended = np.floor((skyline - self.lowest) / self.resolution) + 1.0

@@ -38,7 +38,9 @@ def every_fault(error: ValidationError) -> list[str]:
 
 def _fault(fault: Mapping[str, Any]) -> str:
     """One finding: where it is, what was expected, what came."""
-    kind, loc, value = fault["type"], fault["loc"], fault.get("input")
+    kind = fault["type"]
+    loc = fault["loc"]
+    value = fault.get("input")
     path = [
         str(part) for index, part in enumerate(loc) if not (index == 1 and loc[0] in TABLES_BY_KIND)
     ]

@@ -383,7 +383,7 @@ AT_MOST: dict[Bar, float] = {
     public_names: 15,
     long_lines: 0,
     names_per_line_median: 4,
-    tuple_assignments_per_1000_lines: 6.5,  # 5
+    tuple_assignments_per_1000_lines: 5,
     nested_conditionals: 0,
     function_lines_median: 10,
     function_lines_nine_in_ten: 30,

@@ -153,7 +153,8 @@ def _retry(encounter: Encounter, at: Situation) -> StepPlan:
     """(b) Towards the landing point again, slower, at this height, and down as far as the leg
     reaches.
     """
-    foot, goal = at.here.feet[encounter.leg], encounter.goal
+    foot = at.here.feet[encounter.leg]
+    goal = encounter.goal
     over = (goal[0], goal[1], foot[2])
     down = (goal[0], goal[1], min(floor(at.here, encounter.leg, at.machine), foot[2]))
     return _moved(at, encounter.leg, [over, down], (Phase.RETURN, Phase.DOWN), at.settings.slower)

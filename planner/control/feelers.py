@@ -86,7 +86,8 @@ class Feelers:
         bits = sensing.whiskers[leg]
         if not bits:
             return None
-        tracker, t = self._run.tracker, self._run.t
+        tracker = self._run.tracker
+        t = self._run.t
         here = tracker.foot_at(leg, t)
         there = tracker.foot_at(leg, min(t + LOOKS_ON, tracker.duration))
         if here[0] == there[0] and here[1] == there[1]:
@@ -109,7 +110,9 @@ _MOVING_ON = (FootState.RETRY, FootState.PLACE, FootState.RETRACE)
 
 def felt_towards(encounter: Encounter, sensing: Sensing) -> float | None:
     """Absolute bearing of something felt between the foot and where it was to land."""
-    foot, goal, yaw = feet_absolute(sensing)[encounter.leg], encounter.goal, sensing.body[5]
+    foot = feet_absolute(sensing)[encounter.leg]
+    goal = encounter.goal
+    yaw = sensing.body[5]
     bearing = math.atan2(goal[1] - foot[1], goal[0] - foot[0]) - yaw
     ahead = felt_ahead(sensing.whiskers[encounter.leg], bearing)
     return None if ahead is None else ahead + yaw

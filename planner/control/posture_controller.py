@@ -94,7 +94,8 @@ class PostureController:
         """From standing: plan the posture that is wanted, and begin; the order of the legs takes a
         few ticks to find.
         """
-        run, state = self._run, self._state
+        run = self._run
+        state = self._state
         if self._choosing is None:
             if self._tries >= run.config.tracking.posture_tries:
                 why = Blocked(Reason.POSTURE_KEPT_FROM)
@@ -132,7 +133,9 @@ class PostureController:
         return (levelling, *answer) if isinstance(answer, tuple) else answer
 
     def _plans_from(self, stance: Stance, terrain: TerrainMap) -> PlanSequence | Blocked | None:
-        machine, gait, crab_angle = self._run.machine, self._run.gait, self._state.crab_angle
+        machine = self._run.machine
+        gait = self._run.gait
+        crab_angle = self._state.crab_angle
         if self.wanted == "sit":
             return sit(stance, terrain, machine, gait)
         if self.wanted == "stand" or self.low:
@@ -188,7 +191,8 @@ class PostureController:
         """A plan of the posture is over; ``left`` seconds of this tick belong to the next one, if
         all came out as planned. Answers with the time into what is played then, s.
         """
-        run, state = self._run, self._state
+        run = self._run
+        state = self._state
         stance = run.arrived(now.sensing)
         good = run.as_planned(stance, run.plan.end)
         if good:

@@ -42,7 +42,9 @@ class TrajectoryTracker:
     __slots__ = ("plan", "duration", "leans", "asked", "stretches", "_times", "_last", "_paces")
 
     def __init__(self, plan: StepPlan) -> None:
-        times, body, feet = plan.times.tolist(), plan.body.tolist(), plan.feet.tolist()
+        times = plan.times.tolist()
+        body = plan.body.tolist()
+        feet = plan.feet.tolist()
         self.plan = plan
         self.duration: float = times[-1]
         self._times: list[float] = times
@@ -65,7 +67,8 @@ class TrajectoryTracker:
         """Index of the stretch between knots that contains t; a knot belongs to the stretch that
         ends there.
         """
-        times, k = self._times, self._last
+        times = self._times
+        k = self._last
         if not times[k] < t <= times[k + 1]:
             k = min(max(bisect_right(times, t) - 1, 0), len(times) - 2)
             if k > 0 and times[k] == t:
@@ -141,7 +144,8 @@ class TrajectoryTracker:
         No stretch is played faster than its feet allow: the foot of a creeping body comes down no
         faster than ever.
         """
-        times, paces = self._times, self._paces_of(machine)
+        times = self._times
+        paces = self._paces_of(machine)
         for k in range(max(bisect_right(times, t) - 1, 0), len(paces)):
             allowed = min(pace, max(1.0, paces[k]))
             needed = (times[k + 1] - t) / allowed

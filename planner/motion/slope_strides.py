@@ -277,7 +277,8 @@ def spread(ratios: Array, rest: Lean, angle: float, inner: Array, x: Array, y: A
     For boxes of lengths ``x`` and ``y``; at the switching points, where four feet stand.
     """
     cx, cy, stride = inner[0] + x / 2, inner[1] + y / 2, _strokes(x, y, angle)
-    critical, off = np.arctan2(cy, cx), abs(math.remainder(angle, 2 * math.pi))
+    critical = np.arctan2(cy, cx)
+    off = abs(math.remainder(angle, 2 * math.pi))
     aside = 1 if math.remainder(angle, 2 * math.pi) > 0.0 else 3
     turns = np.where(off <= critical, 0, np.where(off >= math.pi - critical, 2, aside))
     ux, uy = direction(angle)

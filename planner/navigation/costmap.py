@@ -44,9 +44,11 @@ SAMPLE = 0.05  # m, at which the map is read
 RIM = 0.6
 
 # of the usual density of footholds; what a place without any would cost, m per m
-SCARCE, SCARCE_COST = 0.5, 3.0
+SCARCE = 0.5
+SCARCE_COST = 3.0
 SCARCE_BELOW = 0.3  # density that is never scarce
-WAY_OUT, UNFIT_COST = 0.35, 20.0  # m about a body that stands where it should not; m per m there
+WAY_OUT = 0.35  # m about a body that stands where it should not
+UNFIT_COST = 20.0  # m per m there
 # of z*; legs whose ground differs by more on average cannot stand together and still step
 RISE_SHARE = 0.96
 BARRED = 0.9  # of a lane's width; a leg finds its way past what covers less
@@ -197,7 +199,8 @@ class Costmap:
         machine: Machine,
         stretched: bool = False,
     ) -> None:
-        self.region, self.machine = region, machine
+        self.region = region
+        self.machine = machine
         self.boxes = stretched_boxes(machine) if stretched else machine.boxes
         self.step = max(SAMPLE, terrain.cell)
         x_min, x_max, y_min, y_max = region.extent
@@ -253,10 +256,12 @@ class Costmap:
         """
         solid = self.allowed & ~np.isnan(self.heights)
         footholds = Sums(self.allowed.astype(np.float64))
-        ground, weight = Sums(np.where(solid, self.heights, 0.0)), Sums(solid.astype(np.float64))
+        ground = Sums(np.where(solid, self.heights, 0.0))
+        weight = Sums(solid.astype(np.float64))
         known = None if self.all_known else Sums(self.known.astype(np.float64))
         verdict = np.zeros(self.allowed.shape, dtype=np.uint8)
-        density, seen = np.full(verdict.shape, np.inf), np.ones(verdict.shape)
+        density = np.full(verdict.shape, np.inf)
+        seen = np.ones(verdict.shape)
         low, high = np.full(verdict.shape, np.inf), np.full(verdict.shape, -np.inf)
         walls = self._walls(solid)
         for leg, box in enumerate(self.boxes):
@@ -373,7 +378,9 @@ class Costmap:
         """
         if self.all_known:
             return math.inf
-        walked, s1, d1 = 0.0, 0.0, self.region.off
+        walked = 0.0
+        s1 = 0.0
+        d1 = self.region.off
         for s2, d2 in corners:
             length = math.hypot(s2 - s1, d2 - d1)
             part = np.arange(math.ceil(length / self.step) + 1) * min(
@@ -427,7 +434,8 @@ def _most_in(values: Array, window: tuple[int, int, int, int]) -> Array:
     for axis, first, last in ((1, x1, x2), (0, y1, y2)):
         lines = np.moveaxis(out, axis, 0)
         size = lines.shape[0]
-        before, behind = max(0, -first), max(0, last - 1)
+        before = max(0, -first)
+        behind = max(0, last - 1)
         padded = np.pad(lines, ((before, behind), (0, 0)), constant_values=-np.inf)
         most = padded[before + first : before + first + size].copy()
         for shift in range(first + 1, last):

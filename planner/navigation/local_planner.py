@@ -33,12 +33,15 @@ Corners = tuple[tuple[float, float], ...]
 
 ON_LINE = 0.02  # m; nearer than this the command is walked as it came
 REACHED = 0.12  # m; a corner this near is passed in the next step
-BEND, BEND_PER_RAD = 0.1, 0.2  # m; more and the way round has fewer corners and longer sides
+# m; more and the way round has fewer corners and longer sides
+BEND = 0.1
+BEND_PER_RAD = 0.2
 OFF_LINE = 0.3  # m per m²; less and it strays, more and it cuts corners steeply
 # m; less and a small offset from the line is kept for ever rather than paid for with two bends
 NOT_BACK = 0.5
 WORTH = 0.05  # m; a corner is left out when the straight way costs no more than this
-NEAR_CRITICAL, NEAR_CRITICAL_COST = math.radians(4.0), 1.5  # the margin vanishes at α_c
+NEAR_CRITICAL = math.radians(4.0)  # the margin vanishes at α_c
+NEAR_CRITICAL_COST = 1.5
 # places a way may shift from layer to layer: 0, 22, 39 and 58 degrees
 SHIFTS = (0, 1, -1, 2, -2, 4, -4)
 STEEPEST = math.radians(60.0)  # of a first side; beyond it the body slides sideways
@@ -55,7 +58,8 @@ COURSES_MAX = 3  # courses offered for one step before the walk is called blocke
 _TURNS = [math.atan2(shift * ACROSS, LAYER) for shift in SHIFTS]
 # directions a place may be entered in: the shifts, and sideways
 _INTO = np.array([*_TURNS, math.pi / 2, -math.pi / 2])
-_LEFT, _RIGHT = len(SHIFTS), len(SHIFTS) + 1
+_LEFT = len(SHIFTS)
+_RIGHT = len(SHIFTS) + 1
 
 
 def _bend(a: Array, b: Array) -> Array:
@@ -182,7 +186,8 @@ def plan_route(
     region = Region.of(course, along, off, machine)
     if not refused and is_plain(region, stance, terrain):
         return _steered(command, state, stance, region, _homing(off, region, state))
-    costmap, way = None, None
+    costmap = None
+    way = None
     if not refused:
         toward = 0.0 if state.aim is None else region.seen_from(stance, *state.aim)[1]
         costmap = Costmap(
@@ -289,7 +294,8 @@ class DetourSearch:
     """
 
     def __init__(self, costmap: Costmap) -> None:
-        self.costmap, self.region = costmap, costmap.region
+        self.costmap = costmap
+        self.region = costmap.region
         self.across: Array = np.asarray(
             (self.region.first + np.arange(self.region.places)) * ACROSS
         )
@@ -300,7 +306,8 @@ class DetourSearch:
         """Dynamic programming over (layer, place, direction in); a way may also end anywhere, at a
         price.
         """
-        last, places = self.region.layers - 1, self.region.places
+        last = self.region.layers - 1
+        places = self.region.places
         sides = self._sides()
         self.cost = np.empty((last + 1, places, _INTO.size))
         self.cost[last] = np.where(np.abs(self.across) < 1e-9, 0.0, NOT_BACK + np.abs(self.across))[
@@ -345,7 +352,8 @@ class DetourSearch:
             self._slid(offset, refused),
         )
         a, b = int(direct.argmin()), int(slid.argmin())
-        least, lead = min(float(direct[a]), float(slid[b])), self.region.lead
+        least = min(float(direct[a]), float(slid[b]))
+        lead = self.region.lead
         if least == math.inf:
             return Detour((), 0.0)
         if direct[a] <= slid[b]:
@@ -366,7 +374,8 @@ class DetourSearch:
 
     def _direct(self, offset: float, refused: Sequence[float]) -> Array:
         """By a straight first side to each place of the first layer."""
-        off, angles = np.full(self.region.places, self.region.off), self._angles()
+        off = np.full(self.region.places, self.region.off)
+        angles = self._angles()
         into = self._into()
         cost = (
             self._side(np.zeros(off.size), off, self.region.lead, self.across - off)
@@ -382,7 +391,8 @@ class DetourSearch:
         """First sideways from where the body stands to each place across the line, then straight on
         to the first layer.
         """
-        off, total = self.region.off, np.full(self.region.places, np.inf)
+        off = self.region.off
+        total = np.full(self.region.places, np.inf)
         onward = (
             self._side(
                 np.zeros(self.across.size),
@@ -417,7 +427,8 @@ class DetourSearch:
 
     def _on_from(self, place: int, into: int) -> tuple[list[tuple[float, float]], float]:
         """The places from one of the first layer on, and how far along the line they lead."""
-        layer, points = 0, [(self.region.lead, float(self.across[place]))]
+        layer = 0
+        points = [(self.region.lead, float(self.across[place]))]
         while (
             layer < self.region.layers - 1 and (out := int(self.choice[layer, place, into])) != STOP
         ):
@@ -429,8 +440,11 @@ class DetourSearch:
         self, points: list[tuple[float, float]], offset: float, refused: Sequence[float]
     ) -> Corners:
         """The way's corners, the first ones left out as long as the straight way is as good."""
-        corners, walked = _corners([(0.0, self.region.off), *points])[1:], 0.0
-        before, direction, first = (0.0, self.region.off), offset, 0
+        corners = _corners([(0.0, self.region.off), *points])[1:]
+        walked = 0.0
+        before = (0.0, self.region.off)
+        direction = offset
+        first = 0
         for index, (s, d) in enumerate(corners):
             walked += self._straight(before, (s, d), direction)
             before, direction = (s, d), math.atan2(d - before[1], s - before[0])
@@ -463,7 +477,8 @@ class DetourSearch:
 
 def _critical(course: float, machine: Machine) -> Array:
     """Directions near the crab angle at which the margin vanishes cost more."""
-    critical, weight = critical_angle(machine), np.ones(_INTO.size)
+    critical = critical_angle(machine)
+    weight = np.ones(_INTO.size)
     for m, angle in enumerate(_INTO):
         crab = abs(math.remainder(course + float(angle), 2 * math.pi))
         if min(abs(crab - critical), abs(math.pi - crab - critical)) < NEAR_CRITICAL:

@@ -77,7 +77,8 @@ class Configuration:
 
     def measure(self, leg: int) -> None:
         """Set the monitors of a leg to where its foot is."""
-        body, foot = self.body, self.feet[leg]
+        body = self.body
+        foot = self.feet[leg]
         self.tips[leg][:] = unturned(
             self.rotation, foot[0] - body[0], foot[1] - body[1], foot[2] - body[2]
         )
@@ -86,20 +87,23 @@ class Configuration:
         """Set the monitors of carrying legs, but for their lengths, to where their feet stand."""
         x, y, z, *_ = self.body
         for leg in self.carrying:
-            foot, tip = self.feet[leg], self.tips[leg]
+            foot = self.feet[leg]
+            tip = self.tips[leg]
             tip[0], tip[1], _ = unturned(self.rotation, foot[0] - x, foot[1] - y, foot[2] - z)
 
     def drive(self, legs: Iterable[int], motions: Sequence[FootMotion]) -> None:
         """Move the tips of these legs, in body axes."""
         for leg in legs:
-            tip, (dx, dy, dz) = self.tips[leg], motions[leg]
+            tip = self.tips[leg]
+            (dx, dy, dz) = motions[leg]
             tip[0] += dx
             tip[1] += dy
             tip[2] += dz
 
     def hang(self, leg: int) -> bool:
         """Put a foot where the body has it; True when that is on the ground, which stops it."""
-        body, foot = self.body, self.feet[leg]
+        body = self.body
+        foot = self.feet[leg]
         x, y, z = turned(self.rotation, *self.tips[leg])
         foot[:] = body[0] + x, body[1] + y, body[2] + z
         height = self.ground.height_at(foot[0], foot[1])

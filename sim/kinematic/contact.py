@@ -191,7 +191,8 @@ class _Slide:
             machine.mass, machine.mass * (length * length + width * width) / 12.0
         )
         self.hull.position, self.hull.angle = (body[0], body[1]), body[5]
-        bottom, low = body[2] - height / 2, min(foot[2] for foot in feet) + OVER
+        bottom = body[2] - height / 2
+        low = min(foot[2] for foot in feet) + OVER
         shapes = [_shape(self.space.static_body, obstacle) for obstacle in world.obstacles]
         for shape, obstacle in zip(shapes, world.obstacles, strict=True):
             shape.filter = pymunk.ShapeFilter(
@@ -219,7 +220,8 @@ class _Slide:
         """Advance one tick under a force at the centre of gravity; None once it has come to rest
         and friction holds.
         """
-        hull, space = self.hull, self.space
+        hull = self.hull
+        space = self.space
         hull.position = body[0], body[1]
         hull.angle = body[5]
         grips = self._friction(feet)

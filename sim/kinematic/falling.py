@@ -45,7 +45,8 @@ class Falling:
 
     def advance(self, motions: Sequence[FootMotion], support: Support) -> bool:
         """One tick; legs still move. True when the machine has come to lie."""
-        fall, q = self.fall, self.q
+        fall = self.fall
+        q = self.q
         assert fall is not None
         q.drive(range(len(q.feet)), motions)
         if fall.edge is None:
@@ -67,7 +68,8 @@ class Falling:
 
     def _tilt(self, fall: Fall, edge: Edge) -> None:
         self._keep_on(edge)
-        q, body = self.q, self.q.body
+        q = self.q
+        body = self.q.body
         fall.rate += angular_acceleration(q.machine, edge, body, q.pushed) * TICK
         spin = about(edge.axis, fall.rate * TICK)
         px, py, pz = edge.point
@@ -80,7 +82,8 @@ class Falling:
 
     def _keep_on(self, edge: Edge) -> None:
         """Move the body so that the feet of the edge stay where they are while their legs move."""
-        q, body = self.q, self.q.body
+        q = self.q
+        body = self.q.body
         shift = [0.0, 0.0, 0.0]
         for leg in edge.legs:
             x, y, z = turned(q.rotation, *q.tips[leg])
@@ -101,7 +104,8 @@ class Falling:
 
     def _lies(self, fall: Fall) -> bool:
         """True when the torso leans too far, is on the ground, or has fallen into a hole."""
-        q, body = self.q, self.q.body
+        q = self.q
+        body = self.q.body
         if q.rotation[8] < UPRIGHT or fall.dropped > DROP_MAX:
             return True
         length, width, height = q.machine.torso
@@ -115,7 +119,8 @@ class Falling:
         """Feet have come down: either they and the edge carry the body now, or it goes on about
         another edge.
         """
-        q, edge = self.q, fall.edge
+        q = self.q
+        edge = fall.edge
         q.carrying = sorted({*touching, *(edge.legs if edge else ())})
         x, y = q.load_point()
         feet = {leg: q.feet[leg] for leg in q.carrying}

@@ -17,7 +17,10 @@ SAME = 1e-10  # m a tick; foot motions this near each other are one motion of th
 
 def glide(q: Configuration, support: Support, motions: Sequence[FootMotion]) -> bool:
     """Carry the body on through a tick; False, and nothing done, when it is not that simple."""
-    body, tips, carrying, r = q.body, q.tips, q.carrying, q.rotation
+    body = q.body
+    tips = q.tips
+    carrying = q.carrying
+    r = q.rotation
     dx, dy, dz = motions[carrying[0]]
     for leg in carrying:
         ax, ay, az = motions[leg]
@@ -43,7 +46,10 @@ def glide(q: Configuration, support: Support, motions: Sequence[FootMotion]) -> 
 
 def _glide_turning(q: Configuration, support: Support, motions: Sequence[FootMotion]) -> bool:
     """The same for a level body that turns: one rotation fits all carrying feet."""
-    body, tips, feet, carrying = q.body, q.tips, q.feet, q.carrying
+    body = q.body
+    tips = q.tips
+    feet = q.feet
+    carrying = q.carrying
     dz = motions[carrying[0]][2]
     if body[3] != 0.0 or body[4] != 0.0:
         return False

@@ -174,7 +174,8 @@ class KinematicPlant:
         self.tick += 1
         if self.state == "fallen":
             return
-        q, support = self.q, self._support
+        q = self.q
+        support = self._support
         motions = self._servos.motions(velocities, q.tips)
         for leg in q.free:
             if q.soles[leg]:
@@ -195,7 +196,8 @@ class KinematicPlant:
         """Feet that came down in the tick before carry from now on, but those that scrape over the
         ground.
         """
-        q, tips = self.q, self.q.tips
+        q = self.q
+        tips = self.q.tips
         if self._falling.fall is not None or len(q.carrying) < 2:
             return
         before = [tips[leg] for leg in q.carrying]
@@ -220,7 +222,8 @@ class KinematicPlant:
         """A tick in which carrying feet are not driven as one, or the body is pushed, or rests
         anew, or loses its balance.
         """
-        q, support = self.q, self._support
+        q = self.q
+        support = self._support
         free = tuple(q.free)
         q.drive(q.carrying, motions)
         for leg in q.carrying:
@@ -236,7 +239,8 @@ class KinematicPlant:
 
     def _follow_legs(self) -> None:
         """The body goes where its legs take it, unless that is into an obstacle."""
-        q, body = self.q, self.q.body
+        q = self.q
+        body = self.q.body
         before = body[0], body[1], body[5]
         self._support.follow()
         if (
@@ -249,7 +253,8 @@ class KinematicPlant:
 
     def _settle(self) -> None:
         """A balanced body comes to rest on its feet, which may slip or slide."""
-        q, support = self.q, self._support
+        q = self.q
+        support = self._support
         support.rest()
         heights = [foot[2] for foot in q.feet]
         support.give_way()

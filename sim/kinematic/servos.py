@@ -50,7 +50,8 @@ class Servos:
 
 def mechanical_reach(machine: Machine, leg: int) -> MechanicalReach:
     """The reach of a leg's mechanism: its control box widened by δ."""
-    (dx, dy, dz), box = machine.overreach, machine.legs[leg]
+    (dx, dy, dz) = machine.overreach
+    box = machine.legs[leg]
     return box.x[0] - dx, box.x[1] + dx, box.y[0] - dy, box.y[1] + dy, box.z[0] - dz, box.z[1] + dz
 
 

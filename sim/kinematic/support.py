@@ -77,7 +77,8 @@ class Support:
         q = self.q
         if q.ground.level is not None or not q.carrying:
             return 0.0, 0.0
-        radius, n = q.machine.foot_radius, len(q.carrying)
+        radius = q.machine.foot_radius
+        n = len(q.carrying)
         slopes = [slope_at(q.ground, q.feet[leg][0], q.feet[leg][1], radius) for leg in q.carrying]
         along_x = left_fold_sum(slope[0] for slope in slopes) / n
         return along_x, left_fold_sum(slope[1] for slope in slopes) / n
@@ -169,12 +170,14 @@ class Support:
         """Feet that are pulled apart: a leg gives a little, then its foot slips by what is too
         much.
         """
-        q, machine = self.q, self.q.machine
+        q = self.q
+        machine = self.q.machine
         if not q.carrying:
             return
         grip = machine.friction * machine.mass * GRAVITY / len(q.carrying) / LEG_STIFFNESS
         for leg in tuple(q.carrying):
-            foot, pull = q.feet[leg], self._pull[leg]
+            foot = q.feet[leg]
+            pull = self._pull[leg]
             x, y, _ = turned(q.rotation, *q.tips[leg])
             rx, ry = q.body[0] + x - foot[0], q.body[1] + y - foot[1]
             if abs(rx) <= STIFF and abs(ry) <= STIFF:
@@ -194,7 +197,8 @@ class Support:
         """Drag a carrying foot to (x, y) over the ground; False when a riser is in the way. Over an
         edge it loses its hold.
         """
-        q, foot = self.q, self.q.feet[leg]
+        q = self.q
+        foot = self.q.feet[leg]
         height = q.ground.height_at(x, y)
         if height - foot[2] > STEP_UP:
             return False

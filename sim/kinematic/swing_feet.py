@@ -28,11 +28,15 @@ def swing(q: Configuration, motions: Sequence[FootMotion], legs: Iterable[int]) 
     """One tick of feet that carry nothing: they go where they are driven until they touch the
     ground, and stop there.
     """
-    (bx, by, bz, _, _, _), r = q.body, q.rotation
-    contact, height_at = q.contact, q.ground.height_at
+    (bx, by, bz, _, _, _) = q.body
+    r = q.rotation
+    contact = q.contact
+    height_at = q.ground.height_at
     crowded = contact.crowds(bx, by)
     for leg in legs:
-        foot, tip, (dx, dy, dz) = q.feet[leg], q.tips[leg], motions[leg]
+        foot = q.feet[leg]
+        tip = q.tips[leg]
+        (dx, dy, dz) = motions[leg]
         px, py, pz = tip[0] + dx, tip[1] + dy, tip[2] + dz
         x = bx + r[0] * px + r[1] * py + r[2] * pz
         y = by + r[3] * px + r[4] * py + r[5] * pz
@@ -78,7 +82,8 @@ def _touch(q: Configuration, leg: int, driven: tuple[float, float, float], heigh
     carries.
     """
     x, y, z = driven
-    foot, was_on = q.feet[leg], q.soles[leg]
+    foot = q.feet[leg]
+    was_on = q.soles[leg]
     if height - foot[2] > STEP_UP:
         (x, y), height = _stop_at_riser(q, leg, x, y)
     on = z - height <= TOUCH
@@ -115,7 +120,8 @@ def _stop_at_riser(q: Configuration, leg: int, x: float, y: float) -> tuple[XY, 
     """How far a foot on its way to (x, y) gets before ground too tall to ride up, and the ground
     there.
     """
-    foot, height_at = q.feet[leg], q.ground.height_at
+    foot = q.feet[leg]
+    height_at = q.ground.height_at
     dx, dy = x - foot[0], y - foot[1]
     free, stuck = 0.0, 1.0
     for _ in range(RISER_HALVINGS):

@@ -35,7 +35,8 @@ COMMAND = Command(0.0, 0.08)
 
 def measure() -> dict[str, Any]:
     """All figures: name → {value, unit, target}. Targets are of the product's own specification."""
-    micro, real = "µs", "x real time"
+    micro = "µs"
+    real = "x real time"
     return {
         "version": product_version(),
         "python": platform.python_version(),
@@ -86,8 +87,10 @@ def plan_time() -> float:
 def broken_ground() -> tuple[Planner, TerrainMap, list[Stance]]:
     """The planner of scenario ``holes``, its ground at 50 %, the postures its first steps meet."""
     world = prepare(load_scenario("holes", ("terrain.fraction=0.5", "terrain.cell=0.05")))
-    planner, ground = planner_in(world), world.belief
-    stances, stance = [], world.stance
+    planner = planner_in(world)
+    ground = world.belief
+    stances = []
+    stance = world.stance
     for _ in range(60):
         plan = run_to_completion(planner.plan(stance, COMMAND, ground))
         if isinstance(plan, Blocked):
@@ -113,7 +116,8 @@ def reflex_time() -> float:
     x, y, z, yaw = plan.end.body
     feet = tuple((fx - x, fy - y, fz - z) for fx, fy, fz in stance.feet)
     sensing = Sensing(0, (x, y, z, 0.0, 0.0, yaw), feet, (True,) * 4, (0,) * 4, (False,) * 4)
-    tracker, gains = TrajectoryTracker(plan), Gains()
+    tracker = TrajectoryTracker(plan)
+    gains = Gains()
     state = ReflexState.begin(4)
     ticks = int(tracker.duration / TICK)
 

@@ -221,7 +221,8 @@ def summarise(
     simulation: Simulation, recorder: Recorder, result: str, reason: str
 ) -> dict[str, Any]:
     """``run.json``: what was run, how it ended, and each expectation held against what came."""
-    scenario, ground = simulation.world.scenario, simulation.world.ground
+    scenario = simulation.world.scenario
+    ground = simulation.world.ground
     figures = _figures(simulation, recorder)
     return {
         "schema": SCHEMA,

@@ -440,7 +440,8 @@ class Poles(Generated):
         """
         rng = np.random.default_rng([site.seed, 5])
         x_min, x_max, y_min, y_max = self.area
-        apart, placed = 2 * self.radius + self.spacing, list[tuple[float, float]]()
+        apart = 2 * self.radius + self.spacing
+        placed = list[tuple[float, float]]()
         for _ in range(50 * self.count):
             if len(placed) == self.count:
                 break

@@ -15,9 +15,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-FLOAT, BYTE, INDEX = 5126, 5121, 5125  # glTF component types: float32, uint8, uint32
-VERTICES, ELEMENTS = 34962, 34963  # glTF buffer targets
-LINEAR, NEAREST, MIPMAPS, CLAMP = 9729, 9728, 9987, 33071  # glTF sampler words
+# glTF component types: float32, uint8, uint32
+FLOAT = 5126
+BYTE = 5121
+INDEX = 5125
+# glTF buffer targets
+VERTICES = 34962
+ELEMENTS = 34963
+# glTF sampler words
+LINEAR = 9729
+NEAREST = 9728
+MIPMAPS = 9987
+CLAMP = 33071
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -28,7 +28,9 @@ class RobotNode:
         self.shapes = shapes
         scene = server.scene
         names = range(1, shapes.count + 1)
-        thigh, shin, foot = shapes.thigh_shape(), shapes.shin_shape(), shapes.foot_shape()
+        thigh = shapes.thigh_shape()
+        shin = shapes.shin_shape()
+        foot = shapes.foot_shape()
         plain: dict[str, Any] = {"cast_shadow": False, "receive_shadow": False}
         self.torso = scene.add_glb("/world/torso", shapes.torso(), **plain)
         self.thighs = [scene.add_glb(f"/world/thigh_{leg}", thigh, **plain) for leg in names]

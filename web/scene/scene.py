@@ -47,7 +47,8 @@ VIEW_ANGLE = math.radians(50.0)
 SKY = ((0.050, 0.066, 0.098), (0.290, 0.335, 0.385), (0.150, 0.175, 0.210))  # top, horizon, below
 HORIZON = 0.42  # share of the picture above the horizon
 FOG = (46, 55, 66)
-FOG_FROM, FOG_TO = 7.0, 26.0  # m
+FOG_FROM = 7.0  # m
+FOG_TO = 26.0  # m
 
 Paint = Callable[[str, float, float, float], None]  # brush, x m, y m, radius m
 

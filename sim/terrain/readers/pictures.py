@@ -34,13 +34,15 @@ def read_picture(path: Path) -> Raster:
         mode = str(picture.mode)
         deep = picture.format == "PNG" and _bits(path) == 16
         if deep and mode not in GREY_MODES:
-            levels, what = _deep_colour(path), "16-bit picture"
+            levels = _deep_colour(path)
+            what = "16-bit picture"
         elif mode in GREY_MODES:
             levels = np.asarray(picture, dtype=np.float64) / GREY_MODES[mode]
             levels[levels == _clear_level(picture, path)] = np.nan
             what = f"{16 if GREY_MODES[mode] > 255.0 else 8}-bit grey picture"
         else:
-            levels, what = _colour(picture, mode), f"8-bit picture of mode {mode}"
+            levels = _colour(picture, mode)
+            what = f"8-bit picture of mode {mode}"
     return Raster(levels[::-1], what)
 
 
