@@ -1,5 +1,5 @@
-"""The tunables of supervising and of going round: by theme, each with what you see when it is
-wrong.
+"""The tunables of supervising, of going round and of contact: by theme, each with what you see when
+it is wrong.
 
 A scenario sets them by name, ``[config.tracking] held_back = 0.05``; what it does not name stays.
 """
@@ -153,6 +153,44 @@ class Contact:
 
 
 @dataclass(frozen=True, slots=True)
+class Navigation:
+    """How Level B1 goes round what cannot be crossed: what a metre of a way round costs, in metres
+    of plain way.
+    """
+
+    # m to either side of the line and of the body; obstacles wider than twice this are not gone
+    # round
+    width: float = 2.0
+    bodies_ahead: float = 2.0  # body lengths looked ahead. Less: see it walk into dead ends
+    # courses offered for one step before the walk is called blocked
+    courses_max: int = 3
+    # of the commanded speed, over ground just ahead that is unknown. More: see it step where it has
+    # not looked
+    slowest: float = 0.25
+    no_way: float = 0.5  # m; a dead end nearer than this stops the walk
+    # m a corner costs, and m per rad of it; more and the way round has fewer corners and longer
+    # sides
+    bend: float = 0.1
+    bend_per_rad: float = 0.2
+    off_line: float = 0.3  # m per m²; less and it strays, more and it cuts corners steeply
+    # m a way that ends off the line costs; less and a small offset from the line is kept for ever
+    # rather than paid for with two bends
+    not_back: float = 0.5
+    worth: float = 0.05  # m; a corner is left out when the straight way costs no more than this
+    # of a way within 4 degrees of α_c, where the margin vanishes
+    near_critical_cost: float = 1.5
+    # of the usual density of footholds, below which they are scarce, and density that never is
+    scarce: float = 0.5
+    scarce_below: float = 0.3
+    # more a metre costs where there is no foothold at all. Less: see it walk over what it must
+    # creep on
+    scarce_cost: float = 3.0
+    unfit_cost: float = 20.0  # a metre costs on the way out of where the body should not stand
+    # of a leg's rectangle seen: enough to plan by. More: see it slow down beside every shadow
+    known_enough: float = 0.2
+
+
+@dataclass(frozen=True, slots=True)
 class PlannerConfig:
     """All tunables; a scenario's ``[config]``."""
 
@@ -161,6 +199,7 @@ class PlannerConfig:
     gains: Gains = field(default_factory=Gains)
     compliance: Compliance = field(default_factory=Compliance)
     contact: Contact = field(default_factory=Contact)
+    navigation: Navigation = field(default_factory=Navigation)
 
 
 DEFAULT = PlannerConfig()

@@ -14,7 +14,7 @@ from typing import Any, Literal, ParamSpec, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .config import Tolerances
+from .config import DEFAULT, PlannerConfig, Tolerances
 from .geometry.paths import SampledPath
 from .geometry.transforms import Body
 from .robot.model import Machine
@@ -81,6 +81,7 @@ class PlannerSetup:
     # (``rows``, ``fractions``, or ``duty`` and ``phases``)
     rigid_gait: str | Mapping[str, Any] | None = None
     explain: bool = False  # fill the decision log
+    config: PlannerConfig = DEFAULT
 
 
 class Planner(Protocol):

@@ -93,8 +93,7 @@ class Simulation:
     def _supervisor(self, world: World) -> GaitSupervisor:
         scenario, machine, gait = world.scenario, world.machine, world.gait
         layout = partial(registry.initial_stance, scenario.planner, scenario.mode, machine, gait)
-        config = scenario.planner_config
-        run = Execution(machine, gait, world.stance, config, self.plant.tolerances)
+        run = Execution(machine, gait, world.stance, scenario.planner_config, self.plant.tolerances)
         return GaitSupervisor(self.planner, run, layout, first_crab_angle(scenario))
 
     def _planner(self, world: World) -> Planner:
@@ -109,6 +108,7 @@ class Simulation:
             path=world.course,
             rigid_gait=scenario.gait.rigid,
             explain=self.explain,
+            config=scenario.planner_config,
         )
         return registry.make_planner(scenario.planner, setup)
 

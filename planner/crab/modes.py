@@ -55,7 +55,9 @@ class CrabPlanner(Planner):
         self._job = _JOBS[setup.mode]
         self._explain = setup.explain
         detours = setup.detours and capabilities.takes_detours
-        self._local = LocalPlanner(setup.cautious, capabilities.fits_slopes, detours)
+        self._local = LocalPlanner(
+            setup.cautious, capabilities.fits_slopes, detours, setup.config.navigation
+        )
         self._slopes: SlopeAdaptation | None = None
         self._plan = self._planner_for(setup.machine)
         if capabilities.fits_slopes:

@@ -22,6 +22,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..config import DEFAULT, Navigation
 from ..geometry.paths import Box
 from ..geometry.transforms import direction
 from ..motion.strides import kept
@@ -36,24 +37,16 @@ Cover = NDArray[np.bool_]
 LAYER = 0.25  # m along the line between two layers of places
 ACROSS = 0.1  # m across the line between two places
 LEAD_MIN = 0.1  # m; a nearer first layer would be reached in the next step
-WIDTH = 2.0  # m to either side of the line; obstacles wider than twice this are not gone round
-BODIES_AHEAD = 2.0  # body lengths looked ahead
 SAMPLE = 0.05  # m, at which the map is read
 # of a sample, by which rectangles are widened: rather try a gap as long as the stroke than go round
 # it
 RIM = 0.6
 
-# of the usual density of footholds; what a place without any would cost, m per m
-SCARCE = 0.5
-SCARCE_COST = 3.0
-SCARCE_BELOW = 0.3  # density that is never scarce
 WAY_OUT = 0.35  # m about a body that stands where it should not
-UNFIT_COST = 20.0  # m per m there
 # of z*; legs whose ground differs by more on average cannot stand together and still step
 RISE_SHARE = 0.96
 BARRED = 0.9  # of a lane's width; a leg finds its way past what covers less
 LOW_RELIEF = 0.05  # m; ground this even needs no costmap of heights
-KNOWN_ENOUGH = 0.2  # of a leg's rectangle seen: enough to plan by
 
 FIT, STEEP, TORSO, WALL = 0, 100, 101, 102  # what a place is; 1..n: leg without a foothold
 BARRED_BY = {
@@ -84,12 +77,14 @@ class Region(NamedTuple):
         along: float,
         off: float,
         machine: Machine,
-        width: float = WIDTH,
-        toward: float = 0.0,
+        settings: Navigation = DEFAULT.navigation,
+        toward: float | None = None,
     ) -> Region:
-        """About a body at (along, off) on a line of this course, to either side of the body, the
-        line and ``toward``.
+        """About a body at (along, off) on a line of this course, to either side of the body and the
+        line; only as far as ``toward`` where that is given.
         """
+        width = settings.width if toward is None else 0.0
+        aside = toward or 0.0
         reach = (
             min(box[0] for box in machine.boxes),
             max(box[1] for box in machine.boxes),
@@ -99,14 +94,14 @@ class Region(NamedTuple):
         length = reach[1] - reach[0]
         lead = math.ceil((along + LEAD_MIN) / LAYER) * LAYER - along
         low, high = (
-            math.floor((min(0.0, off, toward) - width) / ACROSS),
-            math.ceil((max(0.0, off, toward) + width) / ACROSS),
+            math.floor((min(0.0, off, aside) - width) / ACROSS),
+            math.ceil((max(0.0, off, aside) + width) / ACROSS),
         )
         return cls(
             course,
             off,
             lead,
-            math.ceil(BODIES_AHEAD * length / LAYER),
+            max(2, math.ceil(settings.bodies_ahead * length / LAYER)),
             low,
             high - low + 1,
             length,
@@ -197,8 +192,10 @@ class Costmap:
         stance: Stance,
         terrain: TerrainMap,
         machine: Machine,
+        settings: Navigation = DEFAULT.navigation,
         stretched: bool = False,
     ) -> None:
+        self.settings = settings
         self.region = region
         self.machine = machine
         self.boxes = stretched_boxes(machine) if stretched else machine.boxes
@@ -335,9 +332,9 @@ class Costmap:
         """Metres a metre of way costs at every place; infinite where it is not fit."""
         fit = self.verdict == FIT
         usual = float(np.median(self.density[fit])) if fit.any() else 1.0
-        enough = min(SCARCE * usual, SCARCE_BELOW)
+        enough = min(self.settings.scarce * usual, self.settings.scarce_below)
         scarce = np.clip((enough - self.density) / max(enough, 1e-9), 0.0, 1.0)
-        return np.where(fit, 1.0 + SCARCE_COST * scarce * scarce, np.inf)
+        return np.where(fit, 1.0 + self.settings.scarce_cost * scarce * scarce, np.inf)
 
     def _let_out(self) -> None:
         """The body stands where it stands: a place that should not be fit may be left, at a
@@ -346,7 +343,7 @@ class Costmap:
         if self.verdict[self.at(np.zeros(1), np.full(1, self.region.off))][0] == FIT:
             return
         near = np.hypot(self.x[None, :], self.y[:, None]) <= WAY_OUT
-        self.cost[near & ~np.isfinite(self.cost)] = UNFIT_COST
+        self.cost[near & ~np.isfinite(self.cost)] = self.settings.unfit_cost
 
     def at(self, s: Places, d: Places) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         """Row and column of the sample nearest to places (s, d)."""
@@ -386,7 +383,8 @@ class Costmap:
             part = np.arange(math.ceil(length / self.step) + 1) * min(
                 1.0, self.step / max(length, 1e-9)
             )
-            unseen = self.seen[self.at(s1 + part * (s2 - s1), d1 + part * (d2 - d1))] < KNOWN_ENOUGH
+            seen = self.seen[self.at(s1 + part * (s2 - s1), d1 + part * (d2 - d1))]
+            unseen = seen < self.settings.known_enough
             if unseen.any():
                 return walked + float(part[int(unseen.argmax())]) * length
             walked, s1, d1 = walked + length, s2, d2
@@ -402,7 +400,7 @@ class Costmap:
         verdict = int(verdicts[bars[0]])
         because = BARRED_BY.get(verdict, f"leg {verdict} would find no foothold")
         facts: dict[str, float | str] = {
-            "width": WIDTH,
+            "width": self.settings.width,
             "distance": float(s[bars[0]]),
             "because": because,
         }

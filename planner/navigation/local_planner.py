@@ -21,6 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..config import DEFAULT, Navigation
 from ..geometry.transforms import seen
 from ..motion.strides import critical_angle
 from ..protocols import PlanFunction, PlanningJob
@@ -33,15 +34,7 @@ Corners = tuple[tuple[float, float], ...]
 
 ON_LINE = 0.02  # m; nearer than this the command is walked as it came
 REACHED = 0.12  # m; a corner this near is passed in the next step
-# m; more and the way round has fewer corners and longer sides
-BEND = 0.1
-BEND_PER_RAD = 0.2
-OFF_LINE = 0.3  # m per m²; less and it strays, more and it cuts corners steeply
-# m; less and a small offset from the line is kept for ever rather than paid for with two bends
-NOT_BACK = 0.5
-WORTH = 0.05  # m; a corner is left out when the straight way costs no more than this
 NEAR_CRITICAL = math.radians(4.0)  # the margin vanishes at α_c
-NEAR_CRITICAL_COST = 1.5
 # places a way may shift from layer to layer: 0, 22, 39 and 58 degrees
 SHIFTS = (0, 1, -1, 2, -2, 4, -4)
 STEEPEST = math.radians(60.0)  # of a first side; beyond it the body slides sideways
@@ -50,24 +43,13 @@ BACK_OVER = 0.75  # m; a way back is never begun shorter than this
 REFUSED = math.radians(8.0)  # directions this near to a refused one are refused with it
 # m a layer not reached costs: any way through is better, and of dead ends the longest
 DEAD_END = 100.0
-NO_WAY = 0.5  # m; a dead end nearer than this stops the walk
-SLOWEST = 0.25  # of the commanded speed, over ground just ahead that is unknown
 STOP = -1
-COURSES_MAX = 3  # courses offered for one step before the walk is called blocked
 
 _TURNS = [math.atan2(shift * ACROSS, LAYER) for shift in SHIFTS]
 # directions a place may be entered in: the shifts, and sideways
 _INTO = np.array([*_TURNS, math.pi / 2, -math.pi / 2])
 _LEFT = len(SHIFTS)
 _RIGHT = len(SHIFTS) + 1
-
-
-def _bend(a: Array, b: Array) -> Array:
-    turn = np.abs(a - b)
-    return np.where(turn < math.radians(2.0), 0.0, BEND + BEND_PER_RAD * turn)
-
-
-_BENDS = _bend(_INTO[:, None], np.array(_TURNS)[None, :])  # [direction in, direction out]
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,8 +82,13 @@ class LocalPlanner:
     """
 
     def __init__(
-        self, cautious: bool = False, stretches: bool = False, detours: bool = True
+        self,
+        cautious: bool = False,
+        stretches: bool = False,
+        detours: bool = True,
+        settings: Navigation = DEFAULT.navigation,
     ) -> None:
+        self.settings = settings
         self.detours = detours
         self.cautious = cautious
         self.stretches = stretches
@@ -135,7 +122,7 @@ class LocalPlanner:
             command = replace(command, speed=self._commanded.speed)
         refused: list[float] = []
         first: tuple[RouteState, StepPlan | Blocked] | None = None
-        for _ in range(COURSES_MAX):
+        for _ in range(max(1, self.settings.courses_max)):
             steered, route, why = plan_route(
                 self.route,
                 command,
@@ -145,6 +132,7 @@ class LocalPlanner:
                 refused,
                 self.cautious,
                 self.stretches,
+                self.settings,
             )
             answer = why or (yield from steps(stance, steered, terrain))
             first = first or (route, answer)
@@ -168,6 +156,7 @@ def plan_route(
     refused: Sequence[float] = (),
     cautious: bool = True,
     stretches: bool = True,
+    settings: Navigation = DEFAULT.navigation,
 ) -> tuple[Command, RouteState, Blocked | None]:
     """The command to plan the next step with, what to remember, and why nothing works if so.
 
@@ -183,27 +172,26 @@ def plan_route(
     along, off = _on_the_line(state.line, stance.body[0], stance.body[1])
     state = replace(state, off_line=off, speed_limit=math.inf)
     course = state.line[2] - stance.body[3]
-    region = Region.of(course, along, off, machine)
+    region = Region.of(course, along, off, machine, settings)
     if not refused and is_plain(region, stance, terrain):
         return _steered(command, state, stance, region, _homing(off, region, state))
     costmap = None
     way = None
     if not refused:
         toward = 0.0 if state.aim is None else region.seen_from(stance, *state.aim)[1]
-        costmap = Costmap(
-            Region.of(course, along, off, machine, 0.0, toward), stance, terrain, machine
-        )
+        narrow = Region.of(course, along, off, machine, settings, toward)
+        costmap = Costmap(narrow, stance, terrain, machine, settings)
         way = _as_before(state, stance, region, costmap)
     if costmap is None or way is None:
-        costmap = Costmap(region, stance, terrain, machine)
+        costmap = Costmap(region, stance, terrain, machine, settings)
         way = DetourSearch(costmap).best(state.offset, refused)
-    if way.reach < NO_WAY:
+    if way.reach < settings.no_way:
         why = costmap.why()
         # no way for legs in their control reach, nor round it: what do they reach at the most?
         if stretches:
-            costmap = Costmap(region, stance, terrain, machine, stretched=True)
+            costmap = Costmap(region, stance, terrain, machine, settings, stretched=True)
             way = DetourSearch(costmap).best(state.offset, refused)
-        if way.reach < NO_WAY:
+        if way.reach < settings.no_way:
             return command, replace(state, aim=None, offset=0.0, way=()), why
     return _steered(command, state, stance, region, way, costmap if cautious else None)
 
@@ -275,8 +263,9 @@ def _steered(
     seen = (
         math.inf if costmap is None else costmap.known_ahead(way.corners[:1]) / region.body_length
     )
-    if seen < 1.0:
-        command = replace(command, speed=command.speed * max(SLOWEST, seen))
+    if costmap is not None and seen < 1.0:
+        slowest = costmap.settings.slowest
+        command = replace(command, speed=command.speed * max(slowest, seen))
         state = replace(state, speed_limit=command.speed)
     return command, state, None
 
@@ -295,12 +284,23 @@ class DetourSearch:
 
     def __init__(self, costmap: Costmap) -> None:
         self.costmap = costmap
+        self.settings = costmap.settings
         self.region = costmap.region
         self.across: Array = np.asarray(
             (self.region.first + np.arange(self.region.places)) * ACROSS
         )
-        self.weight = _critical(self.region.course, costmap.machine)
+        self.weight = _critical(
+            self.region.course, costmap.machine, self.settings.near_critical_cost
+        )
+        # [direction in, direction out]
+        self.bends = self._bend(_INTO[:, None], np.array(_TURNS)[None, :])
         self._work_back()
+
+    def _bend(self, a: Array, b: Array) -> Array:
+        """What a corner between two directions costs."""
+        turn = np.abs(a - b)
+        cost = self.settings.bend + self.settings.bend_per_rad * turn
+        return np.where(turn < math.radians(2.0), 0.0, cost)
 
     def _work_back(self) -> None:
         """Dynamic programming over (layer, place, direction in); a way may also end anywhere, at a
@@ -310,9 +310,9 @@ class DetourSearch:
         places = self.region.places
         sides = self._sides()
         self.cost = np.empty((last + 1, places, _INTO.size))
-        self.cost[last] = np.where(np.abs(self.across) < 1e-9, 0.0, NOT_BACK + np.abs(self.across))[
-            :, None
-        ]
+        off = np.abs(self.across)
+        ends = np.where(off < 1e-9, 0.0, self.settings.not_back + off)
+        self.cost[last] = ends[:, None]
         self.choice = np.full((last, places, _INTO.size), STOP, dtype=np.intp)
         for layer in range(last - 1, -1, -1):
             onward = np.full((places, len(SHIFTS)), np.inf)
@@ -320,7 +320,7 @@ class DetourSearch:
                 here = slice(max(0, -shift), min(places, places - shift))
                 there = slice(max(0, shift), min(places, places + shift))
                 onward[here, m] = sides[layer, m, here] + self.cost[layer + 1, there, m]
-            total = onward[:, None, :] + _BENDS[None, :, :]
+            total = onward[:, None, :] + self.bends[None, :, :]
             best = total.argmin(axis=2)
             least = np.take_along_axis(total, best[:, :, None], axis=2)[:, :, 0]
             dead = DEAD_END * (last - layer)
@@ -341,7 +341,7 @@ class DetourSearch:
         ]
         return np.asarray(
             np.hypot(along, across) * cost.mean(axis=-1)
-            + OFF_LINE * along * np.abs(d + 0.5 * across)
+            + self.settings.off_line * along * np.abs(d + 0.5 * across)
         )
 
     def best(self, offset: float, refused: Sequence[float]) -> Detour:
@@ -381,7 +381,7 @@ class DetourSearch:
             self._side(np.zeros(off.size), off, self.region.lead, self.across - off)
             * self.weight[into]
         )
-        cost += _bend(angles, np.array(offset)) + self.cost[0, np.arange(off.size), into]
+        cost += self._bend(angles, np.array(offset)) + self.cost[0, np.arange(off.size), into]
         cost[np.abs(angles) > STEEPEST] = np.inf
         for course in refused:
             cost[np.abs(angles - course) < REFUSED] = np.inf
@@ -419,8 +419,8 @@ class DetourSearch:
             )
             total[beyond] = (
                 walked
-                + float(_bend(_INTO[into], np.array(offset)))
-                + _BENDS[into, 0]
+                + float(self._bend(_INTO[into], np.array(offset)))
+                + self.bends[into, 0]
                 + onward[beyond]
             )
         return total
@@ -452,7 +452,8 @@ class DetourSearch:
             clear = (
                 all(abs(course - other) >= REFUSED for other in refused) and abs(course) <= STEEPEST
             )
-            if clear and self._straight((0.0, self.region.off), (s, d), offset) <= walked + WORTH:
+            straight = self._straight((0.0, self.region.off), (s, d), offset)
+            if clear and straight <= walked + self.settings.worth:
                 first = index
         return corners[first:]
 
@@ -470,19 +471,19 @@ class DetourSearch:
         weight = float(self.weight[int(np.abs(_INTO - angle).argmin())])
         return (
             length * cost * weight
-            + OFF_LINE * (s2 - s1) * float(np.abs(d).mean())
-            + float(_bend(np.array(angle), np.array(direction)))
+            + self.settings.off_line * (s2 - s1) * float(np.abs(d).mean())
+            + float(self._bend(np.array(angle), np.array(direction)))
         )
 
 
-def _critical(course: float, machine: Machine) -> Array:
+def _critical(course: float, machine: Machine, cost: float) -> Array:
     """Directions near the crab angle at which the margin vanishes cost more."""
     critical = critical_angle(machine)
     weight = np.ones(_INTO.size)
     for m, angle in enumerate(_INTO):
         crab = abs(math.remainder(course + float(angle), 2 * math.pi))
         if min(abs(crab - critical), abs(math.pi - crab - critical)) < NEAR_CRITICAL:
-            weight[m] = NEAR_CRITICAL_COST
+            weight[m] = cost
     return weight
 
 

@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from walking_console.planner.config import DEFAULT, Navigation
 from walking_console.planner.navigation.local_planner import (
-    COURSES_MAX,
     ON_LINE,
     LocalPlanner,
     RouteState,
@@ -19,6 +19,9 @@ from walking_console.planner.protocols import run_to_completion
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.types import Blocked, Command, Reason, Stance
+from walking_console.sim.scenario_files import load_scenario
+from walking_console.sim.simulation import Simulation
+from walking_console.sim.world import prepare
 
 MACHINE = load_machine("titan3")
 CELL, LOW, SIZE = 0.05, -6.0, 400
@@ -333,11 +336,28 @@ def test_a_planner_of_steps_is_asked_for_another_course_where_it_finds_none():
         return Blocked(Reason.NO_DIRECTION)
         yield
 
-    local = LocalPlanner()
     terrain = map_of(with_hole(1.0, 1.4, -0.6, 0.6))
-    job = local.plan(steps, MACHINE, stance_at(), AHEAD, terrain)
-    answer = run_to_completion(job)
-    assert isinstance(answer, Blocked) and 1 < len(set(asked)) == len(asked) <= COURSES_MAX
+    for most in (1, 2, DEFAULT.navigation.courses_max):
+        asked.clear()
+        local = LocalPlanner(settings=Navigation(courses_max=most))
+        answer = run_to_completion(local.plan(steps, MACHINE, stance_at(), AHEAD, terrain))
+        assert isinstance(answer, Blocked) and len(set(asked)) == len(asked) == most
+
+
+def test_a_narrower_search_does_not_go_round_what_a_wider_one_does():
+    terrain = map_of(with_hole(0.3, 2.3, -1.0, 1.0))
+    for width, detour in ((2.0, True), (0.5, False)):
+        settings = Navigation(width=width)
+        *_, state, why = plan_route(
+            RouteState(), AHEAD, stance_at(), terrain, MACHINE, settings=settings
+        )
+        assert (why is None and state.detours) == detour
+    assert why is not None and why.facts["width"] == 0.5
+
+
+def test_a_scenario_says_how_it_goes_round():
+    simulation = Simulation(prepare(load_scenario("river", ["config.navigation.width=0.5"])))
+    assert simulation.planner._local.settings == Navigation(width=0.5)
 
 
 def test_the_planner_walks_by_the_command_until_ground_is_unknown_and_forgets_when_it_holds():
