@@ -282,6 +282,16 @@ def bench(
 
 
 @app.command(hidden=True)
+def draw_recording(snapshots: Path, out: Path) -> None:
+    """Draw what the console has kept of a walk: what its child runs."""
+    from .live_recording import taken_out
+    from .replay_page import write_replay
+
+    kept = taken_out(snapshots)
+    write_replay(kept, out, f"{kept[-1].scenario}: {kept[-1].machine.name}, {len(kept)} pictures")
+
+
+@app.command(hidden=True)
 def understand(path: Path, name: str) -> None:
     """Say as JSON what a file is that somebody brought: what the console's child runs."""
     from .uploaded_file import answer_of_child

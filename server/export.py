@@ -5,7 +5,6 @@ html to watch it anywhere.
 from __future__ import annotations
 
 import csv
-import itertools
 import json
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -13,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from walking_console.planner.types import TICK
 from walking_console.sim.runs.replay import rerun
 from walking_console.sim.runs.run_files import RunError, read_arrays, read_log, read_run, read_steps
 
@@ -102,25 +100,16 @@ def _to_html(directory: Path, summary: dict[str, Any], path: Path) -> None:
     """One self-contained 3-D page: the run is walked again from its inputs and every drawn frame
     recorded.
     """
-    from walking_console.web.scene.scene import Scene
-
-    from .viser_bridge import ViserBridge
-    from .viser_recording import StreamedRecording
+    from .replay_page import write_replay
 
     every = max(FRAME_TICKS, -(-int(summary["ticks"]) // FRAMES_MAX))
-    bridge = ViserBridge()
-    try:
-        scene = Scene(bridge.server)
-        frames = _frames(directory, every)
-        for snapshot in itertools.islice(frames, 1):
-            scene.draw(snapshot)
-        with StreamedRecording(bridge.server) as recording:
-            for snapshot in frames:
-                recording.wait(every * TICK)
-                scene.draw(snapshot)
-            recording.write_html(path)
-    finally:
-        bridge.stop()
+    write_replay(_frames(directory, every), path, title_of(summary))
+
+
+def title_of(summary: dict[str, Any]) -> str:
+    """What a run is called on a page: its scenario's title and its robot."""
+    scenario = summary["scenario"]
+    return f"{scenario.get('title') or scenario['name']}: {summary['robot']['name']}"
 
 
 def _frames(directory: Path, every: int) -> Iterator[Any]:

@@ -85,7 +85,7 @@ def understood(path: Path, name: str) -> dict[str, Any]:
     ``Unreadable``.
     """
     if names_toml_file(name):
-        return {"kind": "robot", "note": _robot(path)}
+        return {"kind": "robot", **_robot(path)}
     hand = _hand(path) if path.suffix.lower() == ".csv" else ""
     if hand:
         return {"kind": "hand", "note": hand}
@@ -113,10 +113,12 @@ def _hand(path: Path) -> str:
     return f"{len(entries)} commands in {entries[-1]['t'] - entries[0]['t']:g} s"
 
 
-def _robot(path: Path) -> str:
+def _robot(path: Path) -> dict[str, Any]:
+    """The robot of a description in a line, and how many legs it has."""
     try:
         machine = load_machine(str(path))
     except MachineError as error:
         faults = tuple(fault.replace(str(path), path.name[len(PART) :]) for fault in error.faults)
         raise Unreadable("; ".join(faults), faults) from None
-    return f"{machine.name}: {machine.title} ({len(machine.legs)} legs)"
+    legs = len(machine.legs)
+    return {"note": f"{machine.name}: {machine.title} ({legs} legs)", "legs": legs}

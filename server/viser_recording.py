@@ -12,6 +12,7 @@ import base64
 import hashlib
 import tempfile
 from collections.abc import Iterator
+from html import escape
 from pathlib import Path
 from typing import IO, Any, Self
 
@@ -109,19 +110,24 @@ class StreamedRecording:
         """What is drawn next is seen so much later."""
         self._serializer.insert_sleep(seconds)
 
-    def write_html(self, path: Path) -> None:
-        """One page that needs no other file. Raises ``OSError``."""
+    def write_html(self, path: Path, title: str = "", panel: str = "") -> None:
+        """One page that needs no other file, with a title and HTML over the scene. Raises
+        ``OSError``.
+        """
         self._stop()
         client = Path(viser.__file__).parent / "client" / "build" / "index.html"
         page = client.read_text("utf-8")
+        if title:
+            page = page.replace("<title>Viser</title>", f"<title>{escape(title)}</title>", 1)
         head_end = page.index("</head>")
+        body_end = page.rindex("</body>")
         with path.open("w", encoding="utf-8") as file:
             file.write(page[:head_end])
             file.write('<script>window.__VISER_EMBED_DATA__="')
             for chunk in _whole_chunks(self._packed()):
                 file.write(base64.b64encode(chunk).decode("ascii"))
             file.write('";window.__VISER_EMBED_CONFIG__={darkMode:true};</script>')
-            file.write(page[head_end:])
+            file.write(page[head_end:body_end] + panel + page[body_end:])
 
     def _stop(self) -> None:
         handler = self._serializer._handler

@@ -20,6 +20,7 @@ from walking_console.sim.snapshot import Snapshot
 from ..control_lease import ControlLease
 from ..frames import as_text, snapshot_frame
 from ..job_queue import JobQueue
+from ..live_recording import LiveRecording
 from ..realtime_loop import RealtimeLoop
 from ..run_jobs import RunJobs
 from ..serve_options import DATA
@@ -93,6 +94,7 @@ class AppState:
         self.jobs = RunJobs(settings.data, self.queue)
         self.sweeps = SweepJobs(settings.data, self.queue)
         self.uploads = Uploads(settings.data, settings.read_upload)
+        self.recording = LiveRecording()
         self.changes: ChangeSignal | None = None
         self.drivers: set[str] = set()  # names of the sockets on /drive
         self.started = time.monotonic()
@@ -109,6 +111,7 @@ class AppState:
         self.changes = changes = ChangeSignal()
 
         def tell() -> None:
+            self.recording.note(self.loop.newest)
             try:
                 web_loop.call_soon_threadsafe(changes.notify)
             except RuntimeError:

@@ -56,12 +56,14 @@ Paint = Callable[[str, float, float, float], None]  # brush, x m, y m, radius m
 class Scene:
     """One viser server's scene.
 
-    Drawn from one thread; viser's callbacks, from threads of viser's own, only note who is looking
+    ``follows`` moves the world past every camera, as for a recording that nobody can steer. Drawn
+    from one thread; viser's callbacks, from threads of viser's own, only note who is looking
     and pass clicks with a brush on to ``on_paint``.
     """
 
-    def __init__(self, server: viser.ViserServer) -> None:
+    def __init__(self, server: viser.ViserServer, follows: bool = False) -> None:
         self.server = server
+        self._follows = follows
         self.terrain = TerrainTiles(server)
         self.robot: RobotNode | None = None
         self.trails: Trails | None = None
@@ -70,7 +72,7 @@ class Scene:
         self._viewers: dict[int, Viewer] = {}
         self._machine: Machine | None = None
         self._time = 0.0
-        _set_stage(server)
+        self._stage = _set_stage(server)
         server.on_client_connect(self._welcome)
         server.on_client_disconnect(self._farewell)
 
@@ -85,6 +87,8 @@ class Scene:
             for handle, name, value in changes:
                 setattr(handle, name, value)
         x, y, z = snapshot.body[:3]
+        if self._follows:
+            self._stage.position = (-x, -y, -z)
         for viewer in following:
             viewer.move((-x, -y, -z))
         self.server.flush()
@@ -133,12 +137,12 @@ def _size(machine: Machine) -> float:
     return max(math.hypot(leg.centre[0], leg.centre[1]) for leg in machine.legs)
 
 
-def _set_stage(server: viser.ViserServer) -> None:
-    """Folders, lights, fog, sky and the first camera."""
+def _set_stage(server: viser.ViserServer) -> viser.FrameHandle:
+    """Folders, lights, fog, sky and the first camera; the frame everything lies under."""
     scene = server.scene
     scene.set_up_direction("+z")
     scene.world_axes.visible = False
-    scene.add_frame("/world", show_axes=False)
+    world = scene.add_frame("/world", show_axes=False)
     for folder in LAYERS.values():
         scene.add_frame(f"/world/{folder}", show_axes=False)
     _light(scene)
@@ -150,6 +154,7 @@ def _set_stage(server: viser.ViserServer) -> None:
     camera.look_at = tuple(LOOK_AT)
     camera.up = UP
     camera.fov = VIEW_ANGLE
+    return world
 
 
 def _light(scene: viser.SceneApi) -> None:
