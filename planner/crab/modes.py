@@ -87,11 +87,9 @@ class CrabPlanner(Planner):
         held = None
         if not turns(command, self._machine):
             command, held = steadied(command, stance, self._machine)
+        stance = holding(stance, held)
         answer = yield from self._plan(stance, command, terrain)
-        if isinstance(answer, Blocked):
-            return answer
-        answer = holding(answer, held)
-        if not self._gait.sways:
+        if isinstance(answer, Blocked) or not self._gait.sways:
             return answer
         ahead = expected_supports(answer, command, self._machine, self._gait)
         return swayed(answer, stance, ahead, self._gait, self._machine)

@@ -104,7 +104,8 @@ def _end_of(checks: FootholdChecks, step: SwingStep, landing: Point, way: BodyWa
     feet = list(checks.stance.feet)
     feet[leg] = landing
     course = checks.stance.course + step.g
-    return Stance(way.end, tuple(feet), leg, nominal.quarter_turns, (), course)
+    held = checks.stance.held_course
+    return Stance(way.end, tuple(feet), leg, nominal.quarter_turns, (), course, held_course=held)
 
 
 def _corners_of(

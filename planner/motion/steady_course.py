@@ -11,9 +11,8 @@ import math
 from dataclasses import replace
 
 from ..robot.model import Machine
-from ..types import Command, HeldCourse, Stance, StepPlan
+from ..types import Command, HeldCourse, Stance
 from .quarter_turns import beside_critical
-from .step_builder import changed
 
 # rad from α_c within which a course is held; less: see the order of legs change as the stick
 # trembles beside the diagonal, more: see it follow small corrections late elsewhere
@@ -49,9 +48,9 @@ def steadied(command: Command, stance: Stance, machine: Machine) -> tuple[Comman
     return replace(command, crab_angle=course), HeldCourse(course, mean, tremor)
 
 
-def holding(plan: StepPlan, held: HeldCourse | None) -> StepPlan:
-    """The plan with what its end remembers of the hand."""
-    return changed(plan, end=replace(plan.end, held_course=held))
+def holding(stance: Stance, held: HeldCourse | None) -> Stance:
+    """The stance with what it remembers of the hand, and what the end of a step from it will."""
+    return stance if stance.held_course == held else replace(stance, held_course=held)
 
 
 def _from(one: float, other: float) -> float:

@@ -86,7 +86,7 @@ async def _stored(state: AppState, name: str, body: bytes) -> dict[str, Any]:
             ) from None
 
 
-@router.delete("/{name}", status_code=204)
+@router.delete("/{name}", status_code=204, response_model=None)
 async def remove(name: Name, state: ConsoleState) -> None:
     """Keep a file no longer."""
     if not state.uploads.holds(name):
