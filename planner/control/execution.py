@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from ..config import PlannerConfig, Tolerances
 from ..geometry.transforms import attitude_of, direction
-from ..motion.step_builder import holding_plan
+from ..motion.step_builder import holding_plan, with_feet
 from ..robot.model import Machine
 from ..types import TICK, Command, Gait, Phase, Point, Sensing, Stance, StepPlan
 from .compliant_controller import CompliantController
@@ -196,13 +196,15 @@ class Execution:
 
     def arrived(self, sensing: Sensing) -> Stance:
         """The stance at N_{k+1}: the plan's end when all went as planned up to this tick, in which
-        the last of the way is still to go.
+        the last of the way is still to go. A foot that stays lifted has its last to go as well.
         """
         end = self.plan.end
         now = self.tracker.body_at(self.t)
         lean = self.tracker.lean_at(self.t)
-        actual = self.actual(sensing, replace(end.at_rest(), body=now, lean=lean))
-        if actual.body == now and actual.feet == end.feet:
+        in_the_air = {leg: self.tracker.foot_at(leg, self.t) for leg in end.lifted}
+        feet = with_feet(end.feet, in_the_air)
+        actual = self.actual(sensing, replace(end.at_rest(), body=now, feet=feet, lean=lean))
+        if actual.body == now and actual.feet == feet:
             return end
         x, y, z, yaw = actual.body
         reference = (x - end.sway[0], y - end.sway[1], z, yaw)

@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from tests.planner.control.plans import (
@@ -18,7 +19,7 @@ from tests.planner.control.plans import (
 )
 from walking_console.planner.config import Tolerances
 from walking_console.planner.control.execution import feet_absolute
-from walking_console.planner.types import Command
+from walking_console.planner.types import Command, Phase
 
 
 def test_a_machine_that_stands_as_expected_is_the_expected_stance_itself():
@@ -93,6 +94,22 @@ def test_the_planned_end_is_reached_when_all_went_as_planned():
     assert state.run.arrived(sensed(body=at, feet=landed)) is state.run.plan.end
     aside = (at[0], at[1] + 0.02, *at[2:])
     assert state.run.arrived(sensed(body=aside, feet=landed)).body[1] == pytest.approx(0.02)
+
+
+def test_a_leg_that_stays_lifted_is_expected_where_the_last_tick_of_its_way_begins():
+    run = execution()
+    end = replace(STANCE, body=(0.1, 0.0, HEIGHT, 0.0), lifted=(0,))
+    end = replace(end, feet=((FEET[0][0] + 0.2, FEET[0][1], 0.1), *FEET[1:]))
+    plan = swing_plan()
+    feet = plan.feet.copy()
+    feet[:, 0] = np.linspace((FEET[0][0], FEET[0][1], 0.1), end.feet[0], 5)
+    run.play(replace(plan, feet=feet, phases=(Phase.RETURN,) * 4, end=end))
+    run.t = 0.98
+    x, y, z, yaw = run.tracker.body_at(run.t)
+    there = tuple(run.tracker.foot_at(leg, run.t) for leg in range(4))
+    assert run.arrived(sensed(body=(x, y, z, 0.0, 0.0, yaw), feet=there)) is end
+    late = ((there[0][0] - 0.01, *there[0][1:]), *there[1:])
+    assert run.arrived(sensed(body=(x, y, z, 0.0, 0.0, yaw), feet=late)) is not end
 
 
 def test_who_swung_is_remembered_only_when_its_foot_came_down_where_it_was_to():

@@ -1,0 +1,172 @@
+"""Where Levels B and C meet: walks over ground the map does not show, in one table a kind.
+
+Run: python -m tests.sweeps.seams KIND --seeds 20. The results are kept in docs/touch.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections import Counter
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+
+from walking_console.planner.geometry.transforms import left_fold_sum
+from walking_console.planner.types import Mode
+from walking_console.sim.runs.runner import TimelinePlayer
+from walking_console.sim.scenario_files import load_scenario
+from walking_console.sim.simulation import Simulation
+
+PLACE = 0.02  # m; encounters of one body place are those it has had since it got on by more
+
+
+@dataclass
+class Told:
+    """One walk: how it ended and what happened on the way."""
+
+    ending: tuple[str, str] = ("", "")
+    distance: float = 0.0  # m
+    seconds: float = 0.0
+    margin: float = math.inf  # m, least, of the feet meant to carry
+    falls: int = 0
+    forbidden: int = 0
+    encounters: dict[str, int] = field(default_factory=dict)
+    at_one_place: int = 0  # encounters at one place of the body, at most
+    slide: float = 0.0  # m a standing foot moved between coming down and rising, at most
+    halts: int = 0
+    predictions: int = 0
+
+    @property
+    def line(self) -> str:
+        """The walk in one line."""
+        return (
+            f"{self.ending[0]} ({self.ending[1]}) {self.distance:.2f} m in {self.seconds:.0f} s, "
+            f"margin {1000 * self.margin:.1f} mm, falls {self.falls}, forbidden {self.forbidden}, "
+            f"encounters {self.encounters}, at one place {self.at_one_place}, "
+            f"slide {1000 * self.slide:.1f} mm, halts {self.halts}, "
+            f"predictions {self.predictions}"
+        )
+
+
+class Watch:
+    """Looks at a simulation after every tick."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        self.told = Told()
+        self._simulation = simulation
+        self._stood = [False] * len(simulation.plant.feet)
+        self._feet = [tuple(foot) for foot in simulation.plant.feet]
+        self._slides = [0.0] * len(self._feet)
+        self._prediction: object = None
+        self._stands = True
+        self._place = (0.0, 0.0, 0)  # x, y of the body, and encounters until then
+
+    def look(self) -> None:
+        """One tick."""
+        self._look_at_feet()
+        told = self.told
+        walk = getattr(self._simulation.planner, "walk", None)
+        prediction = getattr(walk, "prediction", None)
+        told.predictions += prediction is not self._prediction
+        self._prediction = prediction
+        stands = self._simulation.mode in (Mode.STAND, Mode.SETTLE)
+        told.halts += stands and not self._stands and self._simulation.walk.blocked is None
+        self._stands = stands
+        x, y = self._simulation.plant.body[:2]
+        count = int(left_fold_sum(self._simulation.walk.contacts.counts.values()))
+        if math.hypot(x - self._place[0], y - self._place[1]) > PLACE:
+            self._place = (x, y, count)
+        told.at_one_place = max(told.at_one_place, count - self._place[2])
+
+    def _look_at_feet(self) -> None:
+        plant = self._simulation.plant
+        carrying = self._simulation.walk.carrying()
+        for leg, foot in enumerate(plant.feet):
+            stands = carrying[leg] and plant.soles[leg]
+            moved = math.dist(foot[:2], self._feet[leg][:2])
+            self._slides[leg] = self._slides[leg] + moved if stands and self._stood[leg] else 0.0
+            self.told.slide = max(self.told.slide, self._slides[leg])
+            self._stood[leg] = stands
+            self._feet[leg] = tuple(foot)
+
+
+def walk(name: str, *settings: str) -> Told:
+    """Walk a scenario with ``--set`` settings to its end."""
+    simulation = Simulation(load_scenario(name, ["expect={}", *settings]))
+    player = TimelinePlayer(simulation)
+    watch = Watch(simulation)
+    while player.ending is None:
+        player.give()
+        simulation.step()
+        player.note()
+        watch.look()
+    told = watch.told
+    told.ending = player.ending
+    told.distance = simulation.distance
+    told.seconds = player.ticks * 0.02
+    told.margin = player.recorder.margin_min
+    told.falls = player.recorder.falls
+    told.forbidden = player.recorder.forbidden_steps
+    told.encounters = dict(sorted(simulation.walk.contacts.counts.items()))
+    return told
+
+
+Walks = Iterator[tuple[str, tuple[str, ...]]]  # scenario, settings
+
+
+def predictions(seeds: range) -> Walks:
+    """K requirement 3 on ``k-curve``: predictions are kept, nothing halts it."""
+    for fraction in (0.10, 0.04):
+        for seed in seeds:
+            yield "k-curve", (f"terrain.fraction={fraction}", f"seed={seed}")
+
+
+def fields(seeds: range) -> Walks:
+    """``k-curve`` by eye and by touch, unknown ground taken for flat."""
+    for sensing, fraction in (("eye", 0.10), ("eye", 0.06), ("eye", 0.04), ("none", 0.30)):
+        for seed in seeds:
+            yield (
+                "k-curve",
+                (f"sensing={sensing}", f"terrain.fraction={fraction}", f"seed={seed}"),
+            )
+
+
+KINDS: dict[str, Callable[[range], Walks]] = {"predictions": predictions, "fields": fields}
+
+
+def main() -> None:
+    """Walk a kind and print every walk, then a row for each of its settings without the seed."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("kind", choices=tuple(KINDS))
+    parser.add_argument("--seeds", type=int, default=10)
+    parser.add_argument("--first", type=int, default=0)
+    options = parser.parse_args()
+    rows: dict[str, list[Told]] = {}
+    for name, settings in KINDS[options.kind](range(options.first, options.first + options.seeds)):
+        told = walk(name, *settings)
+        print(name, *settings, told.line, flush=True)
+        kept = (each for each in settings if not each.startswith("seed="))
+        rows.setdefault(" ".join((name, *kept)), []).append(told)
+    for title, walks in rows.items():
+        print("|", title, "|", summary(walks), "|")
+
+
+def summary(walks: list[Told]) -> str:
+    """One row of a table."""
+    n = len(walks)
+    ends = Counter(" ".join(told.ending) for told in walks)
+    return " | ".join(
+        (
+            ", ".join(f"{count} {end}" for end, count in ends.most_common()),
+            f"{sum(told.falls for told in walks)}",
+            f"{1000 * min(told.margin for told in walks):.0f}",
+            f"{max(told.at_one_place for told in walks)}",
+            f"{1000 * max(told.slide for told in walks):.1f}",
+            f"{left_fold_sum(told.halts for told in walks) / n:.1f}",
+            f"{left_fold_sum(told.predictions for told in walks) / n:.1f}",
+        )
+    )
+
+
+if __name__ == "__main__":
+    main()
