@@ -148,6 +148,15 @@ class Contact:
     shy: float = 0.04
     # of one foot before it is set down wherever it may be; reached only between walls
     hits_max: int = 40
+    # encounters at one place of the body before it stops and says so. Fewer: see it give up among
+    # stones; more: see it knock at a wall
+    setbacks_max: int = 6
+    # ticks a leg that is to carry and hangs is waited for before the next leg is lifted; then it
+    # feels for ground. Fewer: see it stop where a leg had only to stretch
+    wait_for_sole: int = 25
+    # of its planned load, that a leg must carry before another is lifted. More: see it wait for
+    # legs that hardly count
+    load_share: float = 0.1
     # m beyond the rim of the foot that whiskers feel. More: see it take shown ground for a surprise
     whisker_tip: float = 0.05
 

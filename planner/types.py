@@ -227,6 +227,9 @@ class Reason(Enum):
     TORSO_TOUCHES = (
         "the torso would touch the ground: it needs {needs:.2f} m, the legs reach {reach:.2f} m"
     )
+    NO_PROGRESS = (
+        "met something the map did not show {times:.0f} times at one place, and got no farther"
+    )
     HELD_BACK = "the body is {off:.0f} mm {side} its legs, again and again"
     # along a trace
     ARRIVED = "the trace ends here"

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from walking_console.planner.control.execution import feet_absolute
 from walking_console.planner.control.supervisor import GaitSupervisor
+from walking_console.planner.control.touch_memory import Felt
 from walking_console.planner.geometry.transforms import left_fold_sum
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.terrain.mapping import ElevationMapper
@@ -103,12 +104,15 @@ class Perception:
         if believed is not self.belief:
             self._believe(believed)
 
-    def learn(self, cells: Iterable[tuple[int, int]]) -> None:
-        """Cells (row, column) a foot has found to be no ground: forbidden from now on."""
+    def learn(self, felt: Felt) -> None:
+        """Cells (row, column) a foot has found to be no ground are forbidden from now on; what it
+        has felt beside it stands at least so high.
+        """
         if self.mapper is None:
-            self._believe(self.belief.forbid(cells))
+            self._believe(self.belief.told(felt.prohibited, felt.heights))
             return
-        self.mapper.learn(cells)
+        self.mapper.learn(felt.prohibited)
+        self.mapper.feel(felt.heights)
         self._believe(self.mapper.publish())
 
     def edit(self, edit: Edit) -> None:
@@ -128,8 +132,10 @@ class Perception:
             return
         learnt = self.belief.forbidden & ~self.world.forbidden
         learnt[rows, columns] = False
+        believed = self.belief.heights.copy()  # what feet have felt elsewhere stays
+        believed[rows, columns] = heights[rows, columns]
         forbidden = self.true_forbidden | learnt
-        self._believe(replace(self.belief, heights=heights, forbidden=forbidden))
+        self._believe(replace(self.belief, heights=believed, forbidden=forbidden))
 
     def _forbidden_after(self, edit: Edit) -> NDArray[np.bool_]:
         heights = self.ground.heights

@@ -39,6 +39,7 @@ TABLE: dict[Activity, dict[Event, Activity]] = {
         _E.STEP_READY: _A.STEP,
         _E.POSTURE_READY: _A.POSTURE,
         _E.AT_REST: _A.STAND,
+        _E.TOUCHED: _A.REFLEX,
     },
     _A.STEP: {
         _E.STEP_READY: _A.STEP,

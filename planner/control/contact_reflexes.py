@@ -1,70 +1,110 @@
 """The part of the supervisor that answers contacts: H §9, from what the feet feel to what the foot
 does next and what the map is told of it (the table and the motions are in ``encounter``).
+
+One foot at a time: the others that are in the air wait there, and are seen to after it. An
+encounter is over when every leg stands with its sole on, or is lifted and known to be.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
-from ..config import Contact
 from ..geometry.transforms import placed
 from ..motion.body_tilt import leaning
 from ..terrain.map import TerrainMap
-from ..types import Blocked, Point, Stance, StepPlan
-from .activities import PLACING, Event
-from .encounter import ContactEvent, Encounter, FootState, Situation, motion
+from ..types import Blocked, Point, Reason, Stance, StepPlan
+from .activities import PLACING, Activity, Event
+from .encounter import ContactEvent, Encounter, FootState, Situation, ceiling, motion
 from .execution import feet_absolute
 from .feelers import Feelers, Touch, felt_towards, hangs_over_towards
 from .plan_job import WANTED
+from .touch_memory import CellSet, Felt, cell_of, cells_near, edge_cells
 from .walk_state import Now, WalkState
 
-CellSet = set[tuple[int, int]]  # row, column
+AT_GOAL = 0.01  # m; a foot this near its landing point, seen from above, is over it
 
 
 class ContactReflexes:
     """What the feet feel beside their plan, the encounter under way, and what was learnt of it.
 
-    ``counts`` says how many encounters began, by what they began with.
+    ``counts`` says how many encounters began, by what they began with. ``standing_min`` is how many
+    legs the planner wants on the ground: with fewer it waits for ground, else it walks on with legs
+    lifted.
     """
 
-    def __init__(self, state: WalkState) -> None:
+    def __init__(self, state: WalkState, standing_min: int | None = None) -> None:
         self.encounter: Encounter | None = None
         self.counts: dict[str, int] = {}
         self._state = state
         self._run = state.run
         self._feelers = Feelers(state.run)
         self._settings = state.run.config.contact
-        self._learnt: CellSet = set()
+        legs = len(state.run.machine.legs)
+        self._standing_min = legs if standing_min is None else standing_min
+        self._felt = Felt()
         # near where this encounter found no ground: searched last, not remembered
         self._shunned: CellSet = set()
+        # in the air beside the foot that is seen to: still to be seen to, and without any ground
+        self._waiting: tuple[int, ...] = ()
+        self._stranded: tuple[int, ...] = ()
 
     def is_surprised(self, now: Now) -> bool:
         """One tick of a plan: begins an encounter when a foot meets what the map does not show."""
         touch = self._feelers.surprise(now.sensing, now.terrain)
         if touch is None:
             return False
-        self._meet(touch, now)
+        self._meet(touch, self._run.in_the_air(), now)
         return True
 
     def find_no_ground(self, now: Now) -> float:
-        """Case 2: the plan is over and a foot has found no ground. Answers with the time into what
+        """Case 2: the plan is over and feet have found no ground. Answers with the time into what
         is played then, s.
         """
-        leg = next(leg for leg in self._run.plan.swing if not self._run.landed(leg))
-        self._meet(Touch(ContactEvent.NO_GROUND, leg, None), now)
-        self._run.pace = 1.0
+        run = self._run
+        waiting = run.plan.end.lifted if self._state.activity is not Activity.SETTLE else ()
+        missing = [leg for leg in run.in_the_air() if leg not in waiting]
+        self._meet(Touch(ContactEvent.NO_GROUND, missing[0], None), run.in_the_air(), now)
+        run.pace = 1.0
         return 0.0
 
-    def _meet(self, touch: Touch, now: Now) -> None:
+    def let_down(self, legs: Sequence[int], now: Now) -> None:
+        """Legs meant to carry hang: they feel for ground, one after the other, before any is
+        lifted.
+        """
+        lifted = [leg for leg in self._run.in_the_air() if leg not in legs]
+        self._meet(Touch(ContactEvent.NO_GROUND, legs[0], None), (*legs, *lifted), now)
+        self._run.pace = 1.0
+
+    def _meet(self, touch: Touch, airborne: Sequence[int], now: Now) -> None:
         """The body stops in this tick; what the foot does next is the table's to say."""
-        name = touch.event.value
-        self.counts[name] = self.counts.get(name, 0) + 1
-        landing = self._run.plan.landing or self._run.plan.end.feet[touch.leg]
         self._learn(touch, now)
-        met = Encounter(FootState.NORMAL, touch.leg, landing)
-        self._follow(met.after(touch.event), touch.bearing, now)
+        self._waiting = tuple(leg for leg in airborne if leg != touch.leg)
+        self._stranded = ()
+        self._begin(touch, now)
         self._state.job.flags = WANTED
+
+    def _begin(self, touch: Touch, now: Now) -> None:
+        if touch.event is not ContactEvent.LEFT:
+            name = touch.event.value
+            self.counts[name] = self.counts.get(name, 0) + 1
+            self._state.setbacks.note(now.sensing.body, now.command)
+        met = Encounter(FootState.NORMAL, touch.leg, self._goal(touch.leg, now))
+        self._follow(met.after(touch.event, self._is_at_top(touch, now)), touch.bearing, now)
+
+    def _is_at_top(self, touch: Touch, now: Now) -> bool:
+        hit = touch.event is ContactEvent.HIT
+        return hit and self._feelers.is_at_top(touch.leg, now.sensing)
+
+    def _goal(self, leg: int, now: Now) -> Point:
+        """Where the foot was to land; where it is, when no plan says so."""
+        run = self._run
+        plan = run.interrupted if self._state.activity in PLACING else run.plan
+        if plan is None or leg not in plan.swing:
+            return feet_absolute(now.sensing)[leg]
+        alone = plan.landing is not None and len(plan.swing) == 1
+        return plan.landing if alone and plan.landing else plan.end.feet[leg]
 
     def react(self, now: Now) -> None:
         """One tick of an encounter: has something happened that the table knows?"""
@@ -74,22 +114,22 @@ class ContactReflexes:
         touch = self._feelers.noticed(encounter, now.sensing, now.terrain)
         if touch is not None:
             self._learn(touch, now)
-            self._follow(encounter.after(touch.event), touch.bearing, now)
+            after = encounter.after(touch.event, self._is_at_top(touch, now))
+            self._follow(after, touch.bearing, now)
 
     def go_on(self, now: Now) -> None:
-        """Ordered on, a stranded foot searches again, everywhere."""
+        """Ordered on, a stranded foot searches again, everywhere; and so do all others."""
         if self.encounter is not None:
             self._shunned = set()
             again = replace(self.encounter, misses=0)
+            self._waiting = tuple(leg for leg in self._stranded if leg != again.leg)
+            self._stranded = ()
             self._follow(again.after(ContactEvent.ORDER), None, now)
 
     def _follow(self, encounter: Encounter, bearing: float | None, now: Now) -> None:
         """Do what the encounter's new state says; a search is answered at once."""
-        state = self._state
         if encounter.state is FootState.NORMAL:
-            self.encounter = None
-            self._shunned = set()
-            return state.stand_still(now)
+            return self._see_to_next(now)
         here = self._run.actual(now.sensing, self._run.plan.end)
         if encounter.state is FootState.SEARCH:
             answer = self._searched(encounter, here, bearing, now.terrain)
@@ -99,9 +139,36 @@ class ContactReflexes:
             answer = self._motion(encounter, here, bearing, now.terrain)
         self.encounter = encounter
         if isinstance(answer, StepPlan):
-            return state.interrupt(answer, Event.TOUCHED)
-        state.happens(Event.TOUCHED)
-        state.hover(answer)
+            return self._state.interrupt(answer, Event.TOUCHED)
+        self._stranded += (encounter.leg,)
+        self._see_to_next(now, answer)
+
+    def _see_to_next(self, now: Now, blocked: Blocked | None = None) -> None:
+        """The foot stands, or is ``blocked``: the next one that is in the air, or the end of the
+        encounter.
+        """
+        self._shunned = set()
+        if self._waiting:
+            leg, *rest = self._waiting
+            self._waiting = tuple(rest)
+            return self._begin(Touch(self._left(leg, now), leg, None), now)
+        stranded = self._stranded
+        legs = len(self._run.machine.legs)
+        if stranded and legs - len(stranded) < self._standing_min:
+            return self._hover(blocked or Blocked(Reason.NO_PLACE, stranded[0]))
+        self.encounter = None
+        self._state.stand_still(now, stranded)
+
+    def _left(self, leg: int, now: Now) -> ContactEvent:
+        """Over its landing point a foot has found no ground; elsewhere it is only left over."""
+        foot = feet_absolute(now.sensing)[leg]
+        goal = self._goal(leg, now)
+        over = math.hypot(foot[0] - goal[0], foot[1] - goal[1]) <= AT_GOAL
+        return ContactEvent.NO_GROUND if over else ContactEvent.LEFT
+
+    def _hover(self, why: Blocked) -> None:
+        self._state.happens(Event.TOUCHED)
+        self._state.hover(why)
 
     def _searched(
         self, encounter: Encounter, here: Stance, bearing: float | None, terrain: TerrainMap
@@ -109,7 +176,7 @@ class ContactReflexes:
         """The motion to the nearest ground, away from where there was none."""
         away = self._settings.shy * encounter.misses
         self._shunned |= cells_near(here.feet[encounter.leg], away, terrain)
-        left = terrain.forbid(self._learnt | self._shunned)
+        left = terrain.forbid(self._felt.prohibited | self._shunned)
         return self._motion(replace(encounter, state=FootState.PLACE), here, bearing, left)
 
     def _motion(
@@ -121,23 +188,43 @@ class ContactReflexes:
             frame.stance, bearing, frame.terrain, frame.machine, run.gait, self._settings
         )
         answer = motion(encounter, situation)
-        return frame.restored(answer, here) if isinstance(answer, StepPlan) else answer
+        if isinstance(answer, Blocked):
+            return answer
+        held = tuple(sorted((*self._waiting, *self._stranded)))
+        return holding_up(frame.restored(answer, here), held)
 
     def _learn(self, touch: Touch, now: Now) -> None:
-        """What touch has shown is no ground: one cell, or a rectangle along an edge whose direction
-        was felt.
+        """What touch has shown: how high ground stands beside the foot, and which cells no foot may
+        land on, or a rectangle of them along an edge whose direction was felt.
         """
         foot = feet_absolute(now.sensing)[touch.leg]
         under = cell_of(foot, now.terrain)
-        edge: float | None = None
+        if touch.event is ContactEvent.HIT and touch.bearing is not None:
+            self._felt.raise_to(self._ahead(foot, touch.bearing, now.terrain), foot[2])
         if self._bars_the_way(touch.event) and self.encounter is not None:
             edge = felt_towards(self.encounter, now.sensing)
-            self._learnt |= under if edge is None else self._edge(foot, edge, now.terrain)
+            barred = under if edge is None else self._edge(foot, edge, now.terrain)
+            self._felt.prohibited |= barred
+            if edge is not None and touch.event is ContactEvent.TOP:
+                self._felt.raise_to(barred - under, self._beyond_reach(touch.leg, now))
         elif touch.event is ContactEvent.EDGE:
             edge = hangs_over_towards(touch.leg, now.sensing)
-            self._learnt |= under if edge is None else self._edge(foot, edge, now.terrain) | under
+            along = set() if edge is None else self._edge(foot, edge, now.terrain)
+            self._felt.prohibited |= along | under
         elif touch.event is ContactEvent.NO_GROUND and self._state.activity in PLACING:
-            self._learnt |= under
+            self._felt.prohibited |= under
+            self._felt.dig(under)
+
+    def _beyond_reach(self, leg: int, now: Now) -> float:
+        """A height, m, that this leg cannot be drawn up to."""
+        here = self._run.actual(now.sensing, self._run.plan.end)
+        return ceiling(here, leg, self._run.machine) + self._settings.lift_step
+
+    def _ahead(self, foot: Point, bearing: float, terrain: TerrainMap) -> CellSet:
+        """The cell at the tip of a whisker."""
+        reach = self._run.machine.foot_radius + self._settings.whisker_tip
+        x, y = placed((foot[0], foot[1], bearing), reach, 0.0)
+        return cell_of((x, y, foot[2]), terrain)
 
     def _bars_the_way(self, event: ContactEvent) -> bool:
         if event is ContactEvent.TOP:
@@ -148,46 +235,21 @@ class ContactReflexes:
     def _edge(self, foot: Point, bearing: float, terrain: TerrainMap) -> CellSet:
         return edge_cells(foot, bearing, terrain, self._settings)
 
-    def take_learnt(self) -> CellSet:
-        """CellSet touch has shown to be no ground, once."""
-        learnt = self._learnt
-        self._learnt = set()
-        return learnt
+    @property
+    def has_news(self) -> bool:
+        """True when touch has shown what the map does not know yet."""
+        return bool(self._felt)
+
+    def take_felt(self) -> Felt:
+        """What touch has shown of the ground, once."""
+        felt = self._felt
+        self._felt = Felt()
+        return felt
 
 
-def edge_cells(foot: Point, bearing: float, terrain: TerrainMap, settings: Contact) -> CellSet:
-    """CellSet of a rectangle along an edge that was felt in direction ``bearing`` from the foot (H
-    §9.2, last sentence).
-    """
-    length, depth = settings.edge_length, settings.edge_depth
-    across = max(1, math.ceil(depth / (terrain.cell / 2)))
-    along = max(1, math.ceil(length / (terrain.cell / 2)))
-    pose = (foot[0], foot[1], bearing)
-    cells = (
-        terrain.cell_at(*placed(pose, depth * i / across, length * j / along - length / 2))
-        for i in range(across + 1)
-        for j in range(along + 1)
-    )
-    return {cell for cell in cells if cell is not None}
-
-
-def cells_near(foot: Point, radius: float, terrain: TerrainMap) -> CellSet:
-    """CellSet whose centre is within ``radius`` of a foot, seen from above."""
-    reach = math.ceil(radius / terrain.cell)
-    at = terrain.cell_at(foot[0], foot[1])
-    if at is None:
-        return set()
-    rows = range(max(0, at[0] - reach), min(terrain.rows - 1, at[0] + reach) + 1)
-    columns = range(max(0, at[1] - reach), min(terrain.columns - 1, at[1] + reach) + 1)
-    centres = ((row, column, *terrain.centre(row, column)) for row in rows for column in columns)
-    return {
-        (row, column)
-        for row, column, x, y in centres
-        if math.hypot(x - foot[0], y - foot[1]) <= radius
-    }
-
-
-def cell_of(foot: Point, terrain: TerrainMap) -> CellSet:
-    """The one cell under a foot, if the map has it."""
-    cell = terrain.cell_at(foot[0], foot[1])
-    return set() if cell is None else {cell}
+def holding_up(plan: StepPlan, legs: tuple[int, ...]) -> StepPlan:
+    """The same plan with legs that wait in the air where they are."""
+    if not legs:
+        return plan
+    swing = (*plan.swing, *(leg for leg in legs if leg not in plan.swing))
+    return replace(plan, swing=swing, end=replace(plan.end, lifted=legs))

@@ -55,12 +55,14 @@ class ContactEvent(StrEnum):
     FOUND = "found"
     NOTHING = "nothing"
     ORDER = "order"  # the operator wants to go on
+    LEFT = "left in the air"  # when the encounter of another foot was over
 
 
 TABLE: dict[tuple[FootState, ContactEvent], FootState] = {
     (FootState.NORMAL, ContactEvent.HIT): FootState.RETRACE,  # case 1
     (FootState.NORMAL, ContactEvent.NO_GROUND): FootState.DESCEND,  # case 2
     (FootState.NORMAL, ContactEvent.EDGE): FootState.WITHDRAW,  # case 3
+    (FootState.NORMAL, ContactEvent.LEFT): FootState.SEARCH,
     (FootState.RETRACE, ContactEvent.DONE): FootState.RETRY,  # (a) → (b)
     (FootState.RETRACE, ContactEvent.HIT): FootState.CLIMB,
     (FootState.RETRY, ContactEvent.HIT): FootState.CLIMB,  # (b) → (c)
@@ -95,16 +97,19 @@ class Encounter:
     goal: Point  # J_u of the step that was cut short
     hits: int = 0
     misses: int = 0  # times no ground was found
+    at_top: bool = False  # it has been hit with the leg drawn as high as it can be
 
-    def after(self, event: ContactEvent) -> Encounter:
-        """The encounter once ``event`` has happened; raises ``KeyError`` for an event its state
-        does not know.
+    def after(self, event: ContactEvent, at_top: bool = False) -> Encounter:
+        """The encounter once ``event`` has happened; ``at_top``: with the leg drawn as high as it
+        can be. Raises ``KeyError`` for an event its state does not know.
         """
+        hit = event is ContactEvent.HIT
         return replace(
             self,
             state=TABLE[self.state, event],
-            hits=self.hits + (event is ContactEvent.HIT),
+            hits=self.hits + hit,
             misses=self.misses + (event is ContactEvent.NO_GROUND),
+            at_top=self.at_top or (hit and at_top),
         )
 
 
@@ -150,14 +155,18 @@ def _back_and_up(encounter: Encounter, at: Situation, way: float) -> StepPlan:
 
 
 def _retry(encounter: Encounter, at: Situation) -> StepPlan:
-    """(b) Towards the landing point again, slower, at this height, and down as far as the leg
-    reaches.
+    """(b) Towards the landing point again, slower, clear of what was felt, and down as far as the
+    leg reaches.
     """
     foot = at.here.feet[encounter.leg]
     goal = encounter.goal
-    over = (goal[0], goal[1], foot[2])
+    highest = max(foot[2], ceiling(at.here, encounter.leg, at.machine))
+    top = min(foot[2] + at.settings.keep_clear, highest)
+    up = (foot[0], foot[1], top)
+    over = (goal[0], goal[1], top)
     down = (goal[0], goal[1], min(floor(at.here, encounter.leg, at.machine), foot[2]))
-    return _moved(at, encounter.leg, [over, down], (Phase.RETURN, Phase.DOWN), at.settings.slower)
+    phases = (Phase.UP, Phase.RETURN, Phase.DOWN)
+    return _moved(at, encounter.leg, [up, over, down], phases, at.settings.slower)
 
 
 def _descend(encounter: Encounter, at: Situation) -> StepPlan:

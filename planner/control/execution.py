@@ -230,11 +230,12 @@ class Execution:
             return expected
         return replace(expected, body=(x, y, z, yaw), feet=feet)
 
-    def remembered(self, sensing: Sensing, cut_short: StepPlan | None, settling: bool) -> Stance:
+    def remembered(
+        self, sensing: Sensing, cut_short: StepPlan | None, lifted: tuple[int, ...] = ()
+    ) -> Stance:
         """What the planner should remember after a step that was cut short: who swung last, if
-        anybody did. ``settling``: a plan that set feet down has run since.
+        anybody did, and which legs are ``lifted`` now.
         """
-        lifted = self.plan.end.lifted if settling else ()
         if cut_short is None or cut_short.landing is None or not cut_short.swing:
             same = self.stance.lifted == lifted
             return self.stance if same else replace(self.stance, lifted=lifted)
@@ -263,19 +264,20 @@ class Execution:
         gone = math.hypot(x - start[0], y - start[1], rho * (yaw - start[3]))
         return self.stance.course + min(gone / way, 1.0) * (plan.end.course - self.stance.course)
 
-    def as_planned(self, came: Stance, planned: Stance) -> bool:
-        """True when a plan came out near enough to what the next one of its posture begins with."""
-        if came is planned:
-            return True
-        body = zip(came.body, planned.body, strict=True)
-        feet = (
-            pair
-            for one, two in zip(came.feet, planned.feet, strict=True)
-            for pair in zip(one, two, strict=True)
-        )
-        return all(abs(a - b) <= self.tolerances.body_off for a, b in body) and all(
-            abs(a - b) <= self.tolerances.foot_off for a, b in feet
-        )
+
+def came_as_planned(came: Stance, planned: Stance, tolerances: Tolerances) -> bool:
+    """True when a plan came out near enough to what the next one of its posture begins with."""
+    if came is planned:
+        return True
+    body = zip(came.body, planned.body, strict=True)
+    feet = (
+        pair
+        for one, two in zip(came.feet, planned.feet, strict=True)
+        for pair in zip(one, two, strict=True)
+    )
+    return all(abs(a - b) <= tolerances.body_off for a, b in body) and all(
+        abs(a - b) <= tolerances.foot_off for a, b in feet
+    )
 
 
 def feet_absolute(sensing: Sensing) -> tuple[Point, ...]:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from ..geometry.transforms import left_fold_sum
 from ..motion.body_tilt import unleaned
 from ..terrain.map import TerrainMap
-from ..types import Phase, Point, Sensing
+from ..types import Phase, Point, Sensing, StepPlan
 from .encounter import ContactEvent, Encounter, FootState, at_top
 from .execution import Execution, feet_absolute
 
@@ -30,6 +30,9 @@ class Feelers:
     def __init__(self, run: Execution) -> None:
         self._run = run
         self._settings = run.config.contact
+        self._plan: StepPlan | None = None
+        # legs that have been off the ground since the plan began
+        self._off: set[int] = set()
 
     def surprise(self, sensing: Sensing, terrain: TerrainMap) -> Touch | None:
         """Case 1 or 3 in the running plan: a swing foot meets what the map does not show, or its
@@ -40,7 +43,7 @@ class Feelers:
         if phase is Phase.RETURN:
             for leg in run.plan.swing:
                 felt = self._felt(leg, sensing, terrain)
-                if felt is not None:
+                if felt is not None or self._drags(leg, sensing):
                     return Touch(ContactEvent.HIT, leg, felt)
         elif phase is Phase.DOWN:
             for leg in run.plan.swing:
@@ -62,8 +65,9 @@ class Feelers:
         if phase is Phase.DOWN and run.landed(encounter.leg):
             over = hangs_over(encounter.leg, sensing)
             return ContactEvent.EDGE if over else ContactEvent.LANDED
-        if phase is Phase.RETURN and bearing is not None and encounter.state in _MOVING_ON:
-            return ContactEvent.HIT
+        if phase is Phase.RETURN and encounter.state in _MOVING_ON:
+            if bearing is not None or self._drags(encounter.leg, sensing):
+                return ContactEvent.HIT
         if not run.is_over(run.t):
             return None
         if encounter.state is FootState.CLIMB:
@@ -72,12 +76,28 @@ class Feelers:
 
     def _climbed(self, encounter: Encounter, sensing: Sensing) -> ContactEvent:
         """A little higher: is it free there, or can the leg be drawn no higher?"""
-        if felt_towards(encounter, sensing) is None:
+        high = self.is_at_top(encounter.leg, sensing)
+        free = felt_towards(encounter, sensing) is None
+        if high and (encounter.at_top or not free):
+            return ContactEvent.TOP
+        if free:
             return ContactEvent.CLEAR
+        return ContactEvent.TOP if encounter.hits >= self._settings.hits_max else ContactEvent.DONE
+
+    def is_at_top(self, leg: int, sensing: Sensing) -> bool:
+        """True when the leg is drawn as high as it can be."""
         here = unleaned(self._run.actual(sensing, self._run.plan.end))
-        high = at_top(here, encounter.leg, self._run.machine)
-        enough = encounter.hits >= self._settings.hits_max
-        return ContactEvent.TOP if high or enough else ContactEvent.DONE
+        return at_top(here, leg, self._run.machine)
+
+    def _drags(self, leg: int, sensing: Sensing) -> bool:
+        """True when a foot that was off the ground drags over it on its way."""
+        if self._plan is not self._run.plan:
+            self._plan = self._run.plan
+            self._off = set()
+        if not sensing.soles[leg]:
+            self._off.add(leg)
+            return False
+        return leg in self._off
 
     def _felt(self, leg: int, sensing: Sensing, terrain: TerrainMap) -> float | None:
         """Absolute bearing of something felt on the foot's way that the map does not show; None

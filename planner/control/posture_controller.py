@@ -16,6 +16,7 @@ from ..motion.step_builder import changed
 from ..terrain.map import TerrainMap
 from ..types import POSTURES, Blocked, Reason, Stance
 from .activities import Activity, Event
+from .execution import came_as_planned
 from .walk_state import Now, WalkState
 
 Layout = Callable[[Placement], Stance]  # the standard posture of a course
@@ -104,7 +105,7 @@ class PostureController:
             self._terrain = now.terrain
             state.job.forget()
         here = run.actual(now.sensing, run.stance)
-        if not run.as_planned(here, run.stance):
+        if not came_as_planned(here, run.stance, run.tolerances):
             run.stance = here
         answer = self._planned(run.stance, now.terrain)
         if isinstance(answer, Blocked):
@@ -194,7 +195,7 @@ class PostureController:
         run = self._run
         state = self._state
         stance = run.arrived(now.sensing)
-        good = run.as_planned(stance, run.plan.end)
+        good = came_as_planned(stance, run.plan.end, run.tolerances)
         if good:
             stance = run.plan.end  # what sensors say beside it is noise
         if state.posture == "standard":

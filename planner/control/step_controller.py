@@ -25,6 +25,12 @@ class StepController:
         job = self._job
         if self._state.is_refused(now):
             return
+        setbacks = self._state.setbacks
+        setbacks.heed(now.command)
+        if setbacks.spent:
+            job.refused = (now.command, now.terrain)
+            self._state.blocked = Blocked(Reason.NO_PROGRESS, facts={"times": setbacks.spent})
+            return
         if self._held >= self._run.config.tracking.held_max:
             self._held = 0
             job.refused = (now.command, now.terrain)

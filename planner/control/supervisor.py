@@ -12,12 +12,13 @@ from __future__ import annotations
 
 from ..protocols import Planner
 from ..terrain.map import TerrainMap
-from ..types import TICK, Blocked, Command, Mode, Phase, Point, Sensing, Stance, StepPlan
+from ..types import Blocked, Command, Mode, Phase, Point, Sensing, Stance, StepPlan
 from .activities import RESUMED, STILL, Activity
 from .contact_reflexes import ContactReflexes
 from .execution import END, Execution
 from .plan_job import Flags, PlanJob
 from .posture_controller import Layout, PostureController
+from .sole_watch import SoleWatch
 from .step_controller import StepController
 from .walk_state import Now, WalkState
 
@@ -52,7 +53,8 @@ class GaitSupervisor:
         self.run = run
         self.job = PlanJob(planner, run.machine.yaw_length, run.config.planning)
         self.state = WalkState(run, self.job, crab_angle)
-        self.contacts = ContactReflexes(self.state)
+        self.contacts = ContactReflexes(self.state, planner.capabilities.standing_min)
+        self._soles = SoleWatch(self.state, self.contacts)
         self.postures = PostureController(self.state, layout)
         self._steps = StepController(self.state)
         self._heed = planner.heed
@@ -198,7 +200,7 @@ class GaitSupervisor:
     def _standing(self, now: Now) -> None:
         if self.postures.wanted:
             self.postures.take(now)
-        elif not now.holds:
+        elif not now.holds and not self._soles.keeps_standing(now):
             self._steps.start(now)
 
     def _stepping(self, now: Now) -> None:
@@ -220,8 +222,9 @@ class GaitSupervisor:
             self.contacts.is_surprised(now)
 
     def _settling(self, now: Now) -> None:
-        if all(self.run.landed(leg) for leg in self.plan.swing):
-            self.state.stand_still(now)
+        lifted = self.plan.end.lifted
+        if all(self.run.landed(leg) for leg in self.plan.swing if leg not in lifted):
+            self.state.stand_still(now, lifted)
             self._walk_on(now)
 
     def _reacting(self, now: Now) -> None:
@@ -229,9 +232,11 @@ class GaitSupervisor:
         self._walk_on(now)
 
     def _walk_on(self, now: Now) -> None:
-        """A foot that was put down after its step: the walk goes on in the same tick."""
-        if self.stands and not now.holds and not self.postures.wanted:
-            self._steps.start(now)
+        """A foot that was put down after its step: the walk goes on in the same tick, unless the
+        map is to be told something first.
+        """
+        if self.stands and not self.contacts.has_news:
+            self._standing(now)
 
     def _hovering(self, now: Now) -> None:
         """Ordered on, it goes on with what it was at."""
@@ -251,12 +256,10 @@ class GaitSupervisor:
         if not stepping and activity in STILL:
             run.pace = 0.0
             return run.t
-        run.pace = pace = run.pace_for(now.command) if stepping else 1.0
-        if pace <= 1.0:
-            t_next = run.t + pace * TICK
-            if t_next < run.tracker.duration - END:
-                return t_next
+        run.pace = run.pace_for(now.command) if stepping else 1.0
         t_next, left = run.time_ahead()
+        if stepping and self._soles.keeps_down(t_next, now):
+            return run.t
         if t_next < run.tracker.duration - END:
             return t_next
         if activity is Activity.REFLEX:

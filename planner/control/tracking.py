@@ -19,6 +19,7 @@ LEVEL_LEAN = (0.0, 0.0)  # gradient of the body's floor
 
 Four = tuple[float, float, float, float]
 Bend = tuple[Four, Four]  # factors of s² and s³ in the body's x, y, z, yaw
+Rise = tuple[float, tuple[int, ...], tuple[int, ...]]  # s, legs that rise, legs that carry then
 
 
 class PlanStretch(NamedTuple):
@@ -39,7 +40,17 @@ class PlanStretch(NamedTuple):
 class TrajectoryTracker:
     """A ``StepPlan`` made ready to be evaluated tick by tick."""
 
-    __slots__ = ("plan", "duration", "leans", "asked", "stretches", "_times", "_last", "_paces")
+    __slots__ = (
+        "plan",
+        "duration",
+        "leans",
+        "asked",
+        "stretches",
+        "rises",
+        "_times",
+        "_last",
+        "_paces",
+    )
 
     def __init__(self, plan: StepPlan) -> None:
         times = plan.times.tolist()
@@ -55,6 +66,7 @@ class TrajectoryTracker:
                 _bent_stretch(stretch, times[k + 1] - times[k], rates[k], rates[k + 1])
                 for k, stretch in enumerate(self.stretches)
             ]
+        self.rises = _rises(self.stretches)
         self._last = 0
         self._paces: list[float] | None = None
         after = plan.end.lean
@@ -185,6 +197,18 @@ def _stretch(
         tuple(rows),
         ground,
     )
+
+
+def _rises(stretches: Sequence[PlanStretch]) -> list[Rise]:
+    """When legs leave the ground, or are off it from the beginning."""
+    rises = []
+    before: tuple[int, ...] = ()
+    for stretch in stretches:
+        legs = tuple(leg for leg in stretch.air if leg not in before)
+        if legs:
+            rises.append((stretch.start, legs, stretch.stand))
+        before = stretch.air
+    return rises
 
 
 def _bent_stretch(straight: PlanStretch, seconds: float, begin: Four, end: Four) -> PlanStretch:

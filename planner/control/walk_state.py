@@ -14,6 +14,7 @@ from ..types import Blocked, Command, Sensing, Stance, StepPlan
 from .activities import PLACING, Activity, Event, after
 from .execution import Execution
 from .plan_job import PlanJob
+from .setbacks import Setbacks
 
 
 @dataclass(slots=True)
@@ -32,7 +33,8 @@ class WalkState:
     ``blocked`` says why it stands when it should not, ``executed`` is the step finished in this
     tick with its end as it came out, ``heading`` (rad) the absolute direction of the course walked,
     ``crab_angle`` (rad) that of the last course commanded, ``posture`` the one it is in or going to
-    (stand, sit, standard), ``hovered`` what it was at when it began to hover.
+    (stand, sit, standard), ``hovered`` what it was at when it began to hover, ``setbacks`` the
+    encounters that led nowhere.
     """
 
     def __init__(self, run: Execution, job: PlanJob, crab_angle: float) -> None:
@@ -46,6 +48,7 @@ class WalkState:
         self.crab_angle = crab_angle
         self.posture = "stand"
         self.hovered = Activity.STEP
+        self.setbacks = Setbacks(run.config.contact.setbacks_max)
 
     @property
     def stands(self) -> bool:
@@ -83,12 +86,11 @@ class WalkState:
         self.blocked = None
         self.job.rest(keep_job)
 
-    def stand_still(self, now: Now) -> None:
-        """Rest where the machine really is."""
+    def stand_still(self, now: Now, lifted: tuple[int, ...] = ()) -> None:
+        """Rest where the machine really is, with these legs in the air."""
         run = self.run
         cut_short = run.interrupted if self.activity in PLACING else run.plan
-        settling = self.activity is Activity.SETTLE
-        remembered = run.remembered(now.sensing, cut_short, settling)
+        remembered = run.remembered(now.sensing, cut_short, lifted)
         self.rest(run.actual(now.sensing, remembered))
 
     def stop(self, now: Now) -> None:

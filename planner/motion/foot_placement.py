@@ -53,7 +53,8 @@ def place_feet(
     if not ways:
         return Blocked(Reason.NO_PLACE_FOR_ANY, legs[0])
     stays = tuple(leg for leg in legs if leg not in ways)
-    return _placing(replace(stance, lifted=stays), ways, machine, gait)
+    down = _placing(replace(stance, lifted=stays), ways, machine, gait)
+    return replace(down, swing=(*down.swing, *stays))
 
 
 def _way_down(

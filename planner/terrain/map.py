@@ -8,7 +8,7 @@ forbidden. A map is frozen: what the walker learns makes a new one (``forbid``).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -167,6 +167,22 @@ class TerrainMap(HeightGrid):
             self.need_cell(row, column)
             forbidden[row, column] = True
         return replace(self, forbidden=forbidden)
+
+    def told(
+        self, prohibited: Iterable[tuple[int, int]], heights: Mapping[tuple[int, int], float]
+    ) -> TerrainMap:
+        """A new map in which no foot may land on ``prohibited`` cells, and cells are at least as
+        high as ``heights`` has them (m), or holes (NaN).
+        """
+        believed = self.forbid(prohibited)
+        if not heights:
+            return believed
+        new = self.heights.copy()
+        for (row, column), height in heights.items():
+            self.need_cell(row, column)
+            if math.isnan(height) or not new[row, column] >= height:
+                new[row, column] = height
+        return replace(believed, heights=new)
 
     def patched(
         self,

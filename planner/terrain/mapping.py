@@ -9,7 +9,7 @@ working out only the patch that has changed.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -128,6 +128,14 @@ class ElevationMapper:
     def learn(self, cells: Iterable[tuple[int, int]]) -> None:
         """No foot may land here again: touch has shown it."""
         self._mark(cells, True)
+
+    def feel(self, heights: Mapping[tuple[int, int], float]) -> None:
+        """Cells are at least so high, m, or holes (NaN): touch has shown it."""
+        if not heights:
+            return
+        at = np.array(list(heights), dtype=np.intp)
+        values = np.array(list(heights.values()), dtype=np.float64)
+        self.see(at[:, 0], at[:, 1], values, ~np.isnan(values))
 
     def forget(self, cells: Iterable[tuple[int, int]]) -> None:
         """Take back what was learnt, when the operator says so."""

@@ -94,9 +94,8 @@ def _touch(q: Configuration, leg: int, driven: tuple[float, float, float], heigh
     foot[1] = y
     foot[2] = height if on else z
     q.measure(leg)
-    if not on:
-        q.rims[leg] = 0
-    elif not was_on:
+    q.rims[leg] = 0
+    if on:
         q.rims[leg] = overhang(q.ground, q.machine.foot_radius, q.body[5], (x, y, height))
 
 

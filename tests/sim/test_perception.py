@@ -1,8 +1,11 @@
 """What becomes of the truth on its way to the planner."""
 
+import math
+
 import numpy as np
 import pytest
 
+from walking_console.planner.control.touch_memory import Felt
 from walking_console.sim.perception import SET_DOWN, Perception, disc
 from walking_console.sim.requests import Edit
 from walking_console.sim.scenario_files import load_scenario
@@ -53,12 +56,23 @@ def test_a_disc_holds_the_cells_whose_centres_are_within_its_radius() -> None:
 def test_what_a_foot_has_learnt_stays_forbidden_until_it_is_cleared() -> None:
     for sensing in ("known", "none"):
         perception = perception_of(f"sensing={sensing}")
-        perception.learn([(100, 100)])
+        perception.learn(Felt({(100, 100)}))
         assert perception.belief.forbidden[100, 100]
         perception.edit(Edit("dig", ((5, 5),)))
         assert perception.belief.forbidden[100, 100]
         perception.edit(Edit("clear", ((100, 100),)))
         assert not perception.belief.forbidden[100, 100]
+
+
+def test_what_a_foot_has_felt_raises_the_map_and_stays_when_other_cells_are_edited() -> None:
+    for sensing in ("known", "none"):
+        perception = perception_of(f"sensing={sensing}")
+        perception.learn(Felt(heights={(100, 100): 0.4, (90, 90): math.nan}))
+        perception.edit(Edit("forbid", ((5, 5),)))
+        heights = perception.belief.heights
+        assert heights[100, 100] == 0.4 and math.isnan(heights[90, 90])
+        perception.learn(Felt(heights={(100, 100): 0.3}))
+        assert perception.belief.heights[100, 100] == 0.4
 
 
 def test_a_hole_is_not_told_to_a_machine_that_maps_for_itself_a_prohibition_is() -> None:

@@ -127,11 +127,58 @@ def fields(seeds: range) -> Walks:
         for seed in seeds:
             yield (
                 "k-curve",
-                (f"sensing={sensing}", f"terrain.fraction={fraction}", f"seed={seed}"),
+                (
+                    f"sensing={sensing}",
+                    f"terrain.fraction={fraction}",
+                    "end={distance=8.0, time=900.0}",
+                    f"seed={seed}",
+                ),
             )
 
 
-KINDS: dict[str, Callable[[range], Walks]] = {"predictions": predictions, "fields": fields}
+def walls(seeds: range) -> Walks:
+    """A block, 0.2 to 1.0 m tall, met at every 15 degrees; the seed is where it stands."""
+    for sensing in ("none", "eye"):
+        for mode in ("predictive", "paper"):
+            for height in (0.2, 0.4, 0.6, 1.0):
+                for angle in range(0, 90, 15):
+                    for seed in seeds:
+                        yield (
+                            "block",
+                            (
+                                f"sensing={sensing}",
+                                f"mode={mode}",
+                                f"terrain.height={height}",
+                                f"terrain.angle_deg={angle}",
+                                f"terrain.at={1.5 + 0.05 * seed}",
+                                "end={time=150.0, distance=5.0}",
+                            ),
+                        )
+
+
+def stairs(seeds: range) -> Walks:
+    """H fig. 15, 17 and 19 by touch alone, as TITAN III had them, with risers of 0.10 to 0.20 m."""
+    for name in ("fig15", "fig17-up", "fig17-down"):
+        for rise in (0.10, 0.15, 0.20):
+            for seed in seeds:
+                for mode in ("paper", "predictive"):
+                    yield (
+                        name,
+                        (
+                            "sensing=none",
+                            f"mode={mode}",
+                            f"terrain.rise={rise}",
+                            f"seed={seed}",
+                        ),
+                    )
+
+
+KINDS: dict[str, Callable[[range], Walks]] = {
+    "predictions": predictions,
+    "fields": fields,
+    "walls": walls,
+    "stairs": stairs,
+}
 
 
 def main() -> None:

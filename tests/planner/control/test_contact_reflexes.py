@@ -1,19 +1,18 @@
 """From a contact to what the foot does next and what the map is told."""
 
+import math
 from dataclasses import replace
 
 import pytest
 
-from tests.planner.control.plans import FEET, Scripted, flat, now, state_with, swing_plan
+from tests.planner.control.plans import Scripted, flat, now, state_with, swing_plan
 from walking_console.planner.config import Contact
 from walking_console.planner.control.activities import Activity, Event
 from walking_console.planner.control.contact_reflexes import (
     ContactReflexes,
-    cell_of,
-    cells_near,
-    edge_cells,
 )
 from walking_console.planner.control.encounter import FootState
+from walking_console.planner.control.execution import feet_absolute
 from walking_console.planner.control.plan_job import WANTED
 
 GROUND = flat()
@@ -24,6 +23,15 @@ def swinging(t):
     state.run.play(swing_plan())
     state.happens(Event.STEP_READY)
     state.run.t = t
+    return state, ContactReflexes(state)
+
+
+def two_swinging():
+    state = state_with(Scripted(None))
+    plan = swing_plan()
+    state.run.play(replace(plan, swing=(0, 2)))
+    state.happens(Event.STEP_READY)
+    state.run.t = 1.0
     return state, ContactReflexes(state)
 
 
@@ -53,7 +61,7 @@ def test_without_ground_at_the_end_the_foot_goes_on_down():
     state, contacts, tick = felt(1.0, soles=(False, True, True, True))
     assert contacts.find_no_ground(tick) == 0.0 and state.run.pace == 1.0
     assert contacts.encounter is not None and contacts.encounter.state is FootState.DESCEND
-    assert contacts.counts == {"no ground": 1} and contacts.take_learnt() == set()
+    assert contacts.counts == {"no ground": 1} and not contacts.take_felt()
 
 
 def test_a_foot_that_finds_none_there_either_teaches_the_map_and_searches():
@@ -62,8 +70,10 @@ def test_a_foot_that_finds_none_there_either_teaches_the_map_and_searches():
     state.run.t = state.run.tracker.duration
     contacts.react(tick)
     assert contacts.encounter is not None and contacts.encounter.state is FootState.PLACE
-    learnt = contacts.take_learnt()
-    assert learnt and contacts.take_learnt() == set()
+    told = contacts.take_felt()
+    assert told.prohibited and not contacts.take_felt()
+    assert set(told.heights) == told.prohibited
+    assert all(math.isnan(height) for height in told.heights.values())
 
 
 def test_where_no_place_is_left_it_hovers_until_ordered_on():
@@ -87,19 +97,54 @@ def test_a_foot_that_stands_ends_the_encounter_and_the_walk_rests():
     assert contacts.encounter is None and state.stands and state.executed is not None
 
 
-@pytest.mark.parametrize("bearing", [0.0, 1.0, -2.5])
-def test_an_edge_is_marked_along_and_beyond_it_but_not_behind(bearing):
-    foot, settings = FEET[0], Contact()
-    cells = edge_cells(foot, bearing, GROUND, settings)
-    reach = settings.edge_length / 2 + settings.edge_depth + GROUND.cell
-    assert cells == edge_cells(foot, bearing, GROUND, settings)
-    for row, column in cells:
-        x, y = GROUND.centre(row, column)
-        assert max(abs(x - foot[0]), abs(y - foot[1])) <= reach
-    assert cell_of(foot, GROUND) <= cells
+def test_a_leg_that_waits_in_the_air_is_seen_to_when_the_foot_before_it_stands():
+    state, contacts = two_swinging()
+    tick = now(terrain=GROUND, feet=state.run.plan.end.feet, soles=(False, True, False, True))
+    contacts.find_no_ground(tick)
+    assert contacts.encounter is not None and contacts.encounter.leg == 0
+    assert state.run.plan.end.lifted == (2,) and 2 in state.run.plan.swing
+    state.run.reflexes = state.run.reflexes._replace(landed=(True, False, False, False))
+    contacts.react(tick)
+    assert contacts.encounter is not None and contacts.encounter.leg == 2
+    assert contacts.encounter.state is FootState.DESCEND and not state.stands
+    state.run.reflexes = state.run.reflexes._replace(landed=(False, False, True, False))
+    contacts.react(now(terrain=GROUND))
+    assert contacts.encounter is None and state.stands and state.run.stance.lifted == ()
 
 
-def test_cells_near_are_those_whose_centre_is_and_a_foot_off_the_map_has_none():
-    near = cells_near(FEET[0], 0.11, GROUND)
-    assert cell_of(FEET[0], GROUND) <= near and 9 <= len(near) <= 25
-    assert cells_near((99.0, 0.0, 0.0), 0.11, GROUND) == cell_of((99.0, 0.0, 0.0), GROUND) == set()
+def test_a_leg_without_ground_stays_lifted_where_the_planner_walks_on_fewer():
+    nowhere = flat(holes=True)
+    state, _ = swinging(1.0)
+    contacts = ContactReflexes(state, standing_min=3)
+    tick = now(terrain=nowhere, soles=(False, True, True, True))
+    contacts.find_no_ground(tick)
+    state.run.t = state.run.tracker.duration
+    contacts.react(tick)
+    assert state.stands and state.blocked is None
+    assert state.run.stance.lifted == (0,) and state.run.carrying(True)[0] is False
+
+
+def test_a_hit_raises_the_map_beside_the_foot_to_the_height_of_the_foot():
+    _, contacts, tick = felt(0.6, whiskers=(1, 0, 0, 0))
+    foot = feet_absolute(tick.sensing)[0]
+    contacts.is_surprised(tick)
+    told = contacts.take_felt()
+    (cell,) = told.heights
+    assert told.heights[cell] == pytest.approx(foot[2]) and not told.prohibited
+    x, y = GROUND.centre(*cell)
+    assert x > foot[0] and abs(y - foot[1]) <= GROUND.cell
+
+
+def test_a_foot_that_drags_over_ground_on_its_way_has_hit_it():
+    _, contacts, tick = felt(0.6, soles=(False, True, True, True))
+    assert not contacts.is_surprised(tick)
+    on = replace(tick, sensing=tick.sensing._replace(soles=(True,) * 4))
+    assert contacts.is_surprised(on) and contacts.counts == {"hit": 1}
+
+
+def test_too_many_encounters_at_one_place_are_told():
+    state, contacts, tick = felt(0.6, whiskers=(1, 0, 0, 0))
+    for _ in range(Contact().setbacks_max):
+        assert not state.setbacks.spent
+        contacts.let_down([0], tick)
+    assert state.setbacks.spent == Contact().setbacks_max

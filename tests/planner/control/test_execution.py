@@ -18,7 +18,7 @@ from tests.planner.control.plans import (
     swinging_at,
 )
 from walking_console.planner.config import Tolerances
-from walking_console.planner.control.execution import feet_absolute
+from walking_console.planner.control.execution import came_as_planned, feet_absolute
 from walking_console.planner.types import Command, Phase
 
 
@@ -118,10 +118,10 @@ def test_who_swung_is_remembered_only_when_its_foot_came_down_where_it_was_to():
     landing = run.plan.end.feet[0]
     step = replace(run.plan, landing=landing, end=replace(run.plan.end, last_swing=0))
     there = sensed(feet=(landing, *stance.feet[1:]))
-    assert run.remembered(there, step, settling=False).last_swing == 0
+    assert run.remembered(there, step).last_swing == 0
     short = sensed(feet=((landing[0] - 0.1, *landing[1:]), *stance.feet[1:]))
-    assert run.remembered(short, step, settling=False).last_swing == STANCE.last_swing
-    assert run.remembered(there, None, settling=False) is run.stance
+    assert run.remembered(short, step).last_swing == STANCE.last_swing
+    assert run.remembered(there, None) is run.stance
 
 
 def test_the_way_walked_in_a_step_cut_short_counts_by_how_far_the_body_got():
@@ -129,16 +129,17 @@ def test_the_way_walked_in_a_step_cut_short_counts_by_how_far_the_body_got():
     run = state.run
     step = replace(run.plan, landing=FEET[0], end=replace(run.plan.end, course=0.1))
     body = (0.05, 0.0, HEIGHT, 0.0, 0.0, 0.0)
-    remembered = run.remembered(sensed(body=body, feet=stance.feet), step, settling=False)
+    remembered = run.remembered(sensed(body=body, feet=stance.feet), step)
     assert remembered.course == pytest.approx(0.05)
 
 
 def test_a_plan_came_out_as_planned_within_what_the_plant_errs_by():
     run = execution()
-    assert run.as_planned(STANCE, STANCE)
+    assert came_as_planned(STANCE, STANCE, run.tolerances)
     near = replace(STANCE, body=(0.001, 0.0, HEIGHT, 0.0))
     far = replace(STANCE, body=(0.01, 0.0, HEIGHT, 0.0))
-    assert run.as_planned(near, STANCE) and not run.as_planned(far, STANCE)
+    assert came_as_planned(near, STANCE, run.tolerances)
+    assert not came_as_planned(far, STANCE, run.tolerances)
 
 
 def test_standing_it_plays_a_plan_that_moves_nothing():

@@ -1,0 +1,71 @@
+"""No leg is lifted while a foot that is meant to carry has no ground or no load (Level C, any
+planner).
+
+Such a leg reaches for the ground by itself, C2 of (36). It is waited for; when that does not help,
+it is let down like one that found no ground at the end of its step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..types import Sensing
+from .contact_reflexes import ContactReflexes
+from .execution import Execution
+from .walk_state import Now, WalkState
+
+
+class SoleWatch:
+    """Whether legs may be lifted now, tick by tick."""
+
+    def __init__(self, state: WalkState, contacts: ContactReflexes) -> None:
+        self._state = state
+        self._run = state.run
+        self._contacts = contacts
+        self._hung = 0  # ticks legs that are to carry have been waited for
+
+    def keeps_standing(self, now: Now) -> bool:
+        """True while a leg that should stand hangs: no step is begun."""
+        soles = now.sensing.soles
+        if all(soles):
+            self._hung = 0
+            return False
+        lifted = self._run.stance.lifted
+        legs = [leg for leg, on in enumerate(soles) if not on and leg not in lifted]
+        return self._waits_for(legs, now)
+
+    def keeps_down(self, t_next: float, now: Now) -> bool:
+        """True when the step would lift legs by ``t_next``, s into it, while one that is to carry
+        then does not.
+        """
+        run = self._run
+        for time, legs, stand in run.tracker.rises:
+            if run.t <= time < t_next and any(leg not in run.stance.lifted for leg in legs):
+                waits = self._waits_for(not_carrying(run, now.sensing, stand), now)
+                if waits and self._state.steps:
+                    run.pace = 0.0
+                return waits
+        return False
+
+    def _waits_for(self, legs: list[int], now: Now) -> bool:
+        if not legs:
+            self._hung = 0
+            return False
+        self._hung += 1
+        if self._hung > self._run.config.contact.wait_for_sole:
+            self._hung = 0
+            self._contacts.let_down(legs, now)
+        return True
+
+
+def not_carrying(run: Execution, sensing: Sensing, legs: Sequence[int]) -> list[int]:
+    """Those of ``legs`` whose soles are off, or that press with less than their share
+    (``contact.load_share``) of the planned load where loads are sensed.
+    """
+    hanging = [leg for leg in legs if not sensing.soles[leg]]
+    if run.compliant is None or not sensing.loads:
+        return hanging
+    planned = run.compliant.loads
+    least = run.config.contact.load_share
+    light = [leg for leg in legs if sensing.loads[leg] < least * planned[leg]]
+    return sorted({*hanging, *light})

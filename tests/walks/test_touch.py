@@ -1,0 +1,40 @@
+"""Walks by eye and by touch over ground that is mostly forbidden, up and down stairs, at walls."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.sweeps.seams import Told, walk
+
+
+def assert_stands_well(told: Told) -> None:
+    assert told.falls == 0
+    assert told.margin >= -0.001
+    assert told.slide <= 0.005
+    assert told.at_one_place <= 6
+
+
+@pytest.mark.parametrize(
+    ("sensing", "fraction", "seed"), [("eye", 0.04, 0), ("eye", 0.04, 2), ("none", 0.3, 1)]
+)
+def test_six_legs_cross_sparse_ground_that_is_seen_late_or_only_felt(
+    sensing: str, fraction: float, seed: int
+) -> None:
+    told = walk(
+        "k-curve",
+        f"sensing={sensing}",
+        f"terrain.fraction={fraction}",
+        f"seed={seed}",
+        "end={distance=8.0, time=900.0}",
+    )
+    assert told.ending == ("completed", "distance")
+    assert_stands_well(told)
+
+
+@pytest.mark.parametrize("name", ["fig15", "fig17-up", "fig17-down"])
+@pytest.mark.parametrize("rise", [0.10, 0.15, 0.20])
+def test_stairs_are_walked_by_touch_alone_in_the_papers_mode(name: str, rise: float) -> None:
+    told = walk(name, "sensing=none", "mode=paper", f"terrain.rise={rise}")
+    assert told.ending == ("completed", "distance")
+    assert told.forbidden == 0 and told.encounters.get("hit", 0) <= 15
+    assert_stands_well(told)
