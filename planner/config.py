@@ -142,15 +142,27 @@ class Contact:
     slower: float = 0.5
     # m of a sensed edge that is marked, along it. Less: see the next foot come down on it
     edge_length: float = 0.30
+    # m of what a leg cannot be drawn over that is taken to stand as tall beside where it was felt.
+    # Less: see every foot feel the same wall; more: see it go round what is hardly there
+    wall_length: float = 0.90
     edge_depth: float = 0.10  # m of a sensed edge that is marked, across it
     # m farther from where there was no ground it searches with each miss. Smaller: see it feel out
     # every cell
     shy: float = 0.04
     # of one foot before it is set down wherever it may be; reached only between walls
     hits_max: int = 40
+    # edges one foot comes down on in an encounter before it stays on one. More: see it try every
+    # edge of a stone
+    edges_max: int = 4
+    # changes of state in one encounter before its foot stays in the air. More: see it feel about
+    # for minutes
+    turns_max: int = 60
     # encounters at one place of the body before it stops and says so. Fewer: see it give up among
     # stones; more: see it knock at a wall
     setbacks_max: int = 6
+    # steps a leg at one place of the body before it stops and says so. Fewer: see it give up while
+    # it regroups; more: see it mark time
+    steps_max: int = 8
     # ticks a leg that is to carry and hangs is waited for before the next leg is lifted; then it
     # feels for ground. Fewer: see it stop where a leg had only to stretch
     wait_for_sole: int = 25

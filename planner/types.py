@@ -230,6 +230,7 @@ class Reason(Enum):
     NO_PROGRESS = (
         "met something the map did not show {times:.0f} times at one place, and got no farther"
     )
+    MARKING_TIME = "took {steps:.0f} steps at one place, and got no farther"
     HELD_BACK = "the body is {off:.0f} mm {side} its legs, again and again"
     # along a trace
     ARRIVED = "the trace ends here"

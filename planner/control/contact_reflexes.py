@@ -20,7 +20,7 @@ from .encounter import ContactEvent, Encounter, FootState, Situation, ceiling, m
 from .execution import feet_absolute
 from .feelers import Feelers, Touch, felt_towards, hangs_over_towards
 from .plan_job import WANTED
-from .touch_memory import CellSet, Felt, cell_of, cells_near, edge_cells
+from .touch_memory import CellSet, Felt, cell_of, cells_ahead, cells_near, edge_cells
 from .walk_state import Now, WalkState
 
 AT_GOAL = 0.01  # m; a foot this near its landing point, seen from above, is over it
@@ -91,7 +91,8 @@ class ContactReflexes:
             self.counts[name] = self.counts.get(name, 0) + 1
             self._state.setbacks.note(now.sensing.body, now.command)
         met = Encounter(FootState.NORMAL, touch.leg, self._goal(touch.leg, now))
-        self._follow(met.after(touch.event, self._is_at_top(touch, now)), touch.bearing, now)
+        after = met.after(touch.event, self._is_at_top(touch, now), touch.bearing)
+        self._follow(after, touch.bearing, now)
 
     def _is_at_top(self, touch: Touch, now: Now) -> bool:
         hit = touch.event is ContactEvent.HIT
@@ -114,7 +115,7 @@ class ContactReflexes:
         touch = self._feelers.noticed(encounter, now.sensing, now.terrain)
         if touch is not None:
             self._learn(touch, now)
-            after = encounter.after(touch.event, self._is_at_top(touch, now))
+            after = encounter.after(touch.event, self._is_at_top(touch, now), touch.bearing)
             self._follow(after, touch.bearing, now)
 
     def go_on(self, now: Now) -> None:
@@ -174,6 +175,8 @@ class ContactReflexes:
         self, encounter: Encounter, here: Stance, bearing: float | None, terrain: TerrainMap
     ) -> StepPlan | Blocked:
         """The motion to the nearest ground, away from where there was none."""
+        if encounter.turns > self._settings.turns_max:
+            return Blocked(Reason.NO_PLACE, encounter.leg)
         away = self._settings.shy * encounter.misses
         self._shunned |= cells_near(here.feet[encounter.leg], away, terrain)
         left = terrain.forbid(self._felt.prohibited | self._shunned)
@@ -203,10 +206,12 @@ class ContactReflexes:
             self._felt.raise_to(self._ahead(foot, touch.bearing, now.terrain), foot[2])
         if self._bars_the_way(touch.event) and self.encounter is not None:
             edge = felt_towards(self.encounter, now.sensing)
+            edge = self.encounter.felt if edge is None else edge
             barred = under if edge is None else self._edge(foot, edge, now.terrain)
             self._felt.prohibited |= barred
             if edge is not None and touch.event is ContactEvent.TOP:
-                self._felt.raise_to(barred - under, self._beyond_reach(touch.leg, now))
+                wall = self._wall(foot, edge, now)
+                self._felt.raise_to(wall - under, self._beyond_reach(touch.leg, now))
         elif touch.event is ContactEvent.EDGE:
             edge = hangs_over_towards(touch.leg, now.sensing)
             along = set() if edge is None else self._edge(foot, edge, now.terrain)
@@ -214,6 +219,17 @@ class ContactReflexes:
         elif touch.event is ContactEvent.NO_GROUND and self._state.activity in PLACING:
             self._felt.prohibited |= under
             self._felt.dig(under)
+
+    def _wall(self, foot: Point, bearing: float, now: Now) -> CellSet:
+        """Cells of what no leg can be drawn over: as far to either side as is supposed, but not
+        where feet stand.
+        """
+        size = self._settings.wall_length, self._settings.edge_depth
+        cells = cells_ahead(foot, bearing, now.terrain, size)
+        for leg, place in enumerate(feet_absolute(now.sensing)):
+            if now.sensing.soles[leg]:
+                cells -= cells_near(place, self._settings.edge_depth, now.terrain)
+        return cells
 
     def _beyond_reach(self, leg: int, now: Now) -> float:
         """A height, m, that this leg cannot be drawn up to."""

@@ -98,10 +98,16 @@ class Encounter:
     hits: int = 0
     misses: int = 0  # times no ground was found
     at_top: bool = False  # it has been hit with the leg drawn as high as it can be
+    edges: int = 0  # times it came down on an edge
+    turns: int = 0  # changes of state so far
+    felt: float | None = None  # rad, absolute: where the last hit was felt
 
-    def after(self, event: ContactEvent, at_top: bool = False) -> Encounter:
+    def after(
+        self, event: ContactEvent, at_top: bool = False, felt: float | None = None
+    ) -> Encounter:
         """The encounter once ``event`` has happened; ``at_top``: with the leg drawn as high as it
-        can be. Raises ``KeyError`` for an event its state does not know.
+        can be; ``felt``: in which direction, rad. Raises ``KeyError`` for an event its state does
+        not know.
         """
         hit = event is ContactEvent.HIT
         return replace(
@@ -110,6 +116,9 @@ class Encounter:
             hits=self.hits + hit,
             misses=self.misses + (event is ContactEvent.NO_GROUND),
             at_top=self.at_top or (hit and at_top),
+            edges=self.edges + (event is ContactEvent.EDGE),
+            turns=self.turns + 1,
+            felt=self.felt if felt is None else felt,
         )
 
 

@@ -63,11 +63,15 @@ class Feelers:
         run = self._run
         phase = run.phase
         if phase is Phase.DOWN and run.landed(encounter.leg):
-            over = hangs_over(encounter.leg, sensing)
+            # better on an edge than nowhere
+            over = hangs_over(encounter.leg, sensing) and encounter.edges < self._settings.edges_max
             return ContactEvent.EDGE if over else ContactEvent.LANDED
+        drags = self._drags(encounter.leg, sensing)
         if phase is Phase.RETURN and encounter.state in _MOVING_ON:
-            if bearing is not None or self._drags(encounter.leg, sensing):
+            if bearing is not None or drags:
                 return ContactEvent.HIT
+            if encounter.state in _LIFTED_FIRST and encounter.leg not in self._off:
+                return ContactEvent.LANDED  # the leg cannot be drawn off what it stands on
         if not run.is_over(run.t):
             return None
         if encounter.state is FootState.CLIMB:
@@ -125,6 +129,7 @@ class Feelers:
         return terrain.crest_in(x - reach, x + reach, y - reach, y + reach) > z
 
 
+_LIFTED_FIRST = (FootState.RETRY, FootState.PLACE)
 _MOVING_ON = (FootState.RETRY, FootState.PLACE, FootState.RETRACE)
 
 

@@ -1,25 +1,36 @@
-"""Encounters that lead nowhere: how many there were at one place, and when that is enough."""
+"""Encounters and steps that lead nowhere: how many there were at one place, and when that is
+enough.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 
-from ..types import Command
+from ..config import Contact
+from ..types import Blocked, Command, Reason
 
 PLACE = 0.02  # m; encounters whose bodies are this near each other are at one place
 PLACES_KEPT = 16  # the latest
+GOT_ON = 0.05  # m, or this times the yaw length turned; steps of a body that got on are no setbacks
 SAME_COURSE = math.radians(10.0)  # a command that turns by less still asks for the same
 
 
 class Setbacks:
-    """Counts encounters by the place of the body; another course begins the count anew."""
+    """Counts encounters and steps by the place of the body; another course begins the count anew.
 
-    def __init__(self, most: int) -> None:
-        self._most = most
-        self._places: list[tuple[float, float, int]] = []
+    ``why`` says that there were too many: nothing is begun any more on this course.
+    """
+
+    def __init__(self, settings: Contact, legs: int, yaw_length: float) -> None:
+        self.why: Blocked | None = None
+        self._encounters_max = settings.setbacks_max
+        self._steps_max = settings.steps_max * legs
+        self._yaw_length = yaw_length
         self._command = Command()
-        self.spent = 0  # encounters at the place where there were too many; 0: there is none
+        self._places: list[tuple[float, float, int]] = []
+        self._began = (math.inf, math.inf, 0.0)  # x, y, yaw where the steps are counted from
+        self._steps = 0
 
     def note(self, body: Sequence[float], command: Command) -> None:
         """An encounter begins; ``body`` is x, y, ... in m."""
@@ -33,8 +44,20 @@ class Setbacks:
                 self._places.remove(place)
                 break
         self._places = [*self._places, (x, y, count)][-PLACES_KEPT:]
-        if count >= self._most:
-            self.spent = count
+        if count >= self._encounters_max:
+            self.why = Blocked(Reason.NO_PROGRESS, facts={"times": count})
+
+    def note_step(self, body: Sequence[float], command: Command) -> None:
+        """A step begins; ``body`` is x, y, z, yaw in m and rad."""
+        self.heed(command)
+        x, y, yaw = self._began
+        turned = self._yaw_length * (body[3] - yaw)
+        if math.hypot(body[0] - x, body[1] - y, turned) > GOT_ON:
+            self._began = body[0], body[1], body[3]
+            self._steps = 0
+        self._steps += 1
+        if self._steps >= self._steps_max:
+            self.why = Blocked(Reason.MARKING_TIME, facts={"steps": self._steps})
 
     def heed(self, command: Command) -> None:
         """Another course is another attempt."""
@@ -42,7 +65,8 @@ class Setbacks:
             return
         self._command = command
         self._places = []
-        self.spent = 0
+        self._steps = 0
+        self.why = None
 
 
 def _same_course(one: Command, other: Command) -> bool:

@@ -25,11 +25,10 @@ class StepController:
         job = self._job
         if self._state.is_refused(now):
             return
-        setbacks = self._state.setbacks
-        setbacks.heed(now.command)
-        if setbacks.spent:
+        self._state.setbacks.heed(now.command)
+        if self._state.setbacks.why is not None:
             job.refused = (now.command, now.terrain)
-            self._state.blocked = Blocked(Reason.NO_PROGRESS, facts={"times": setbacks.spent})
+            self._state.blocked = self._state.setbacks.why
             return
         if self._held >= self._run.config.tracking.held_max:
             self._held = 0
@@ -71,6 +70,9 @@ class StepController:
     ) -> float:
         """The next step, or standing because there is none."""
         state, run = self._state, self._run
+        if not command.holds:
+            state.setbacks.note_step(stance.body, command)
+        answer = state.setbacks.why or answer
         if isinstance(answer, Blocked):
             state.rest(stance)
             state.blocked = answer

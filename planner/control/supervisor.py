@@ -235,7 +235,7 @@ class GaitSupervisor:
         """A foot that was put down after its step: the walk goes on in the same tick, unless the
         map is to be told something first.
         """
-        if self.stands and not self.contacts.has_news:
+        if self.stands and not self.contacts.has_news and not self.postures.wanted:
             self._standing(now)
 
     def _hovering(self, now: Now) -> None:

@@ -44,7 +44,16 @@ def edge_cells(foot: Point, bearing: float, terrain: TerrainMap, settings: Conta
     """Cells of a rectangle along an edge that was felt in direction ``bearing`` from the foot (H
     §9.2, last sentence).
     """
-    length, depth = settings.edge_length, settings.edge_depth
+    return cells_ahead(foot, bearing, terrain, (settings.edge_length, settings.edge_depth))
+
+
+def cells_ahead(
+    foot: Point, bearing: float, terrain: TerrainMap, size: tuple[float, float]
+) -> CellSet:
+    """Cells of a rectangle of this length and depth, m, across the direction ``bearing`` from the
+    foot.
+    """
+    length, depth = size
     across = max(1, math.ceil(depth / (terrain.cell / 2)))
     along = max(1, math.ceil(length / (terrain.cell / 2)))
     pose = (foot[0], foot[1], bearing)

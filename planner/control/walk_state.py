@@ -48,7 +48,8 @@ class WalkState:
         self.crab_angle = crab_angle
         self.posture = "stand"
         self.hovered = Activity.STEP
-        self.setbacks = Setbacks(run.config.contact.setbacks_max)
+        machine = run.machine
+        self.setbacks = Setbacks(run.config.contact, len(machine.legs), machine.yaw_length)
 
     @property
     def stands(self) -> bool:

@@ -290,19 +290,20 @@ class Costmap:
         )
 
     def _walls(self, solid: Cover) -> Cover | None:
-        """Ground a leg cannot be lifted over from the lowest ground around; None when there is
-        none.
+        """Ground a leg cannot be lifted over from the lowest ground around, seen or supposed; None
+        when there is none.
         """
-        known = np.where(np.isnan(self.heights) | ~self.known, np.inf, self.heights)
+        ground = np.where(np.isnan(self.heights), np.inf, self.heights)
+        known = np.where(self.known, ground, np.inf)
         limit = (
             self.machine.height + self.machine.z_range[1] + self.machine.overreach[2] - CLEARANCE
         )
         finite = known[np.isfinite(known)]
-        if finite.size == 0 or finite.max() - finite.min() <= limit:
+        if finite.size == 0 or finite.max() - ground.min() <= limit:
             return None
         around = max(1, round((self.machine.boxes[0][3] - self.machine.boxes[0][2]) / self.step))
-        with np.errstate(invalid="ignore"):  # nothing known around: inf less inf
-            return np.asarray((known - _least_around(known, around) > limit) & np.isfinite(known))
+        with np.errstate(invalid="ignore"):  # nothing but holes around: inf less inf
+            return np.asarray((known - _least_around(ground, around) > limit) & np.isfinite(known))
 
     def _barred(self, walls: Cover, window: tuple[int, int, int, int]) -> Cover:
         """Where such ground covers a leg's lane from side to side, across the course."""

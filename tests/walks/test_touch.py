@@ -38,3 +38,23 @@ def test_stairs_are_walked_by_touch_alone_in_the_papers_mode(name: str, rise: fl
     assert told.ending == ("completed", "distance")
     assert told.forbidden == 0 and told.encounters.get("hit", 0) <= 15
     assert_stands_well(told)
+
+
+@pytest.mark.parametrize("mode", ["predictive", "paper"])
+@pytest.mark.parametrize("angle", [0, 30, 60])
+@pytest.mark.parametrize("height", [0.4, 1.0])
+def test_a_wall_met_by_touch_is_gone_round_or_ends_in_a_reason(
+    mode: str, angle: int, height: float
+) -> None:
+    told = walk(
+        "block",
+        "sensing=none",
+        f"mode={mode}",
+        f"terrain.height={height}",
+        f"terrain.angle_deg={angle}",
+        "terrain.at=2.0",
+        "drive=[{t=0.0, speed=0.05}]",
+        "end={time=120.0, distance=5.0}",
+    )
+    assert told.ending[0] == "blocked" or told.distance >= 5.0
+    assert_stands_well(told)

@@ -14,6 +14,7 @@ from walking_console.planner.control.contact_reflexes import (
 from walking_console.planner.control.encounter import FootState
 from walking_console.planner.control.execution import feet_absolute
 from walking_console.planner.control.plan_job import WANTED
+from walking_console.planner.types import Reason
 
 GROUND = flat()
 
@@ -145,6 +146,7 @@ def test_a_foot_that_drags_over_ground_on_its_way_has_hit_it():
 def test_too_many_encounters_at_one_place_are_told():
     state, contacts, tick = felt(0.6, whiskers=(1, 0, 0, 0))
     for _ in range(Contact().setbacks_max):
-        assert not state.setbacks.spent
+        assert state.setbacks.why is None
         contacts.let_down([0], tick)
-    assert state.setbacks.spent == Contact().setbacks_max
+    assert state.setbacks.why is not None
+    assert state.setbacks.why.reason is Reason.NO_PROGRESS

@@ -1,44 +1,65 @@
-"""Encounters at one place are counted; another place or another course begins anew."""
+"""Encounters and steps at one place are counted; another place or another course begins anew."""
 
+from walking_console.planner.config import Contact
 from walking_console.planner.control.setbacks import Setbacks
-from walking_console.planner.types import Command
+from walking_console.planner.types import Command, Reason
 
 AHEAD = Command(0.0, 0.1)
+SETTINGS = Contact(setbacks_max=3, steps_max=2)
 
 
 def noted(*places, command=AHEAD):
-    setbacks = Setbacks(3)
+    setbacks = Setbacks(SETTINGS, 4, 0.8)
     for x in places:
         setbacks.note((x, 0.0, 0.7), command)
     return setbacks
 
 
-def test_enough_at_one_place_are_too_many():
-    assert noted(1.0, 1.005).spent == 0
-    assert noted(1.0, 1.005, 1.01).spent == 3
+def stepped(*places, command=AHEAD):
+    setbacks = Setbacks(SETTINGS, 4, 0.8)
+    for x, yaw in places:
+        setbacks.note_step((x, 0.0, 0.7, yaw), command)
+    return setbacks
+
+
+def test_enough_encounters_at_one_place_are_too_many():
+    assert noted(1.0, 1.005).why is None
+    why = noted(1.0, 1.005, 1.01).why
+    assert why is not None and why.reason is Reason.NO_PROGRESS and "3 times" in why.text
 
 
 def test_a_walk_that_gets_on_may_meet_as_much_as_it_likes():
-    assert noted(*(0.1 * k for k in range(50))).spent == 0
+    assert noted(*(0.1 * k for k in range(50))).why is None
 
 
 def test_going_to_and_fro_between_two_places_is_no_progress():
-    assert noted(1.0, 1.2, 1.0, 1.2, 1.0).spent == 3
+    assert noted(1.0, 1.2, 1.0, 1.2, 1.0).why is not None
+
+
+def test_two_steps_a_leg_that_take_the_body_nowhere_are_too_many():
+    assert stepped(*[(1.0, 0.0)] * 7).why is None
+    why = stepped(*[(1.0, 0.0)] * 8).why
+    assert why is not None and why.reason is Reason.MARKING_TIME
+
+
+def test_steps_that_go_or_turn_are_none_of_these():
+    assert stepped(*((0.06 * k, 0.0) for k in range(50))).why is None
+    assert stepped(*((0.0, 0.1 * k) for k in range(50))).why is None
 
 
 def test_another_course_is_another_attempt_and_a_trembling_stick_is_none():
     setbacks = noted(1.0, 1.0, 1.0)
     setbacks.heed(Command(0.02, 0.08))
-    assert setbacks.spent == 3
+    assert setbacks.why is not None
     setbacks.heed(Command())
-    assert setbacks.spent == 3
+    assert setbacks.why is not None
     setbacks.heed(Command(1.5, 0.1))
-    assert setbacks.spent == 0
+    assert setbacks.why is None
 
 
 def test_turning_the_other_way_is_another_course():
     setbacks = noted(1.0, 1.0, 1.0, command=Command(0.0, 0.0, 0.2))
     setbacks.heed(Command(0.0, 0.0, 0.3))
-    assert setbacks.spent == 3
+    assert setbacks.why is not None
     setbacks.heed(Command(0.0, 0.0, -0.3))
-    assert setbacks.spent == 0
+    assert setbacks.why is None
