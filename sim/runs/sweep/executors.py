@@ -84,9 +84,8 @@ def _dask(address: str) -> Workers:
         extra = "pip install 'walking-console[dask]'"
         raise RunError(f"walking on a Dask cluster needs distributed: {extra}") from None
     try:
-        client: Any = Client(  # type: ignore[no-untyped-call]
-            address, timeout=CLUSTER_TIMEOUT, set_as_default=False
-        )
+        make: Any = Client  # untyped, and where it is not installed unknown
+        client = make(address, timeout=CLUSTER_TIMEOUT, set_as_default=False)
     except (OSError, ValueError) as error:
         raise RunError(f"cannot reach the Dask cluster {address!r:.200}: {error}") from None
     count = sum(client.nthreads().values())
