@@ -2,20 +2,27 @@
 
 ``-P`` keeps the working directory off the module path, the environment loses what would put it
 back, and the child works in a folder of ours: a ``numpy.py`` beside the user's data is never run.
-The token of the console stays with the console.
+The token of the console stays with the console. A child ends with the console that began it, also
+where that was killed.
 """
 
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
+import threading
+import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import IO
 
 COMMAND = (sys.executable, "-P", "-m", "walking_console")
 SECRET = "WALKING_CONSOLE_TOKEN"
+PARENT = "WALKING_CONSOLE_PARENT"  # process id of the console, in a child's environment
+LOOK_EVERY = 0.5  # s between looks whether the console is still there
+PATIENCE = 2.0  # s between asking a child to end and ending it
 CHILD_NICENESS = 10  # the walk on the screen goes first
 
 
@@ -51,4 +58,19 @@ def _environment() -> dict[str, str]:
     elsewhere = [str(folder) for folder in folders if folder != here]
     if elsewhere:
         kept["PYTHONPATH"] = os.pathsep.join(elsewhere)
-    return kept | {"PYTHONSAFEPATH": "1"}
+    return kept | {"PYTHONSAFEPATH": "1", PARENT: str(os.getpid())}
+
+
+def end_with_parent() -> None:
+    """In a child: end as on a signal as soon as the console that began it is gone."""
+    parent = os.environ.pop(PARENT, "")
+    if parent.isdigit() and os.name == "posix":
+        threading.Thread(target=_watch, args=(int(parent),), daemon=True).start()
+
+
+def _watch(parent: int) -> None:
+    while os.getppid() == parent:
+        time.sleep(LOOK_EVERY)
+    os.kill(os.getpid(), signal.SIGTERM)
+    time.sleep(PATIENCE)
+    os._exit(1)

@@ -15,8 +15,9 @@ from walking_console.sim.scenario_files import list_scenarios, load_scenario
 from walking_console.sim.terrain.generators import list_terrains
 
 from . import sweep_commands
+from .child_process import end_with_parent
 from .command_groups import DefaultCommand, one_clear_line, refuse
-from .serve_options import LogLevel, ServeOptions
+from .serve_options import FIRST_SCENARIO, LogLevel, ServeOptions
 from .terminal_output import print_list, print_summary, progress_shown, terminal
 
 ENVIRONMENT = "WALKING_CONSOLE_"
@@ -66,7 +67,13 @@ PortOption = Annotated[
     ),
 ]
 RobotOption = Annotated[str | None, typer.Option(help="A robot's name or a robot TOML file.")]
-ScenarioOption = Annotated[str, typer.Option(help="A scenario's name or a scenario TOML file.")]
+ScenarioOption = Annotated[
+    str | None,
+    typer.Option(
+        help="A scenario's name or a scenario TOML file; without: the world last loaded, or "
+        f"{FIRST_SCENARIO}."
+    ),
+]
 NoOpenOption = Annotated[bool, typer.Option("--no-open", help="Do not open the page in a browser.")]
 TokenOption = Annotated[
     str | None,
@@ -312,4 +319,5 @@ def main() -> None:
         # a letter the terminal cannot show becomes an escape, not a traceback
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
+    end_with_parent()
     app()

@@ -26,7 +26,8 @@ from .schemas import (
     StopFrame,
     TakeFrame,
 )
-from .sessions import DEAD_MAN, LEASE_IDLE, SIT_AFTER, Session
+from .sessions import DEAD_MAN, LEASE_IDLE, SIT_AFTER, RestSession, Session
+from .stop_latch import StopLatch
 
 REST = "rest"  # who drives while a REST command lives
 
@@ -38,14 +39,15 @@ class ControlLease:
     None when it was done.
     """
 
-    def __init__(self, loop: RealtimeLoop, sit_after: float = SIT_AFTER) -> None:
+    def __init__(
+        self, loop: RealtimeLoop, sit_after: float = SIT_AFTER, latch: StopLatch | None = None
+    ) -> None:
         self.loop = loop
         self._now = loop.now
         self._sit_after = sit_after if sit_after > 0.0 else math.inf
         self._holder: Session | None = None
-        self._rest_until = 0.0
-        self._rest_drove = False  # as last said
-        self.stopped = False
+        self._rest = RestSession()
+        self.latch = latch or StopLatch()
         self.revision = 0  # a new one means: tell everybody who drives
         self.refusals = 0
 
@@ -76,10 +78,14 @@ class ControlLease:
             self._free()
         if self._holder is not None:
             return self._holder.name
-        if self._rest_drove and now >= self._rest_until:
-            self._rest_drove = False
+        if self._rest.lapses(now):
             self.revision += 1
-        return REST if self._rest_drove else None
+        return REST if self._rest.drives else None
+
+    @property
+    def stopped(self) -> bool:
+        """Whether everything is stopped, until ``rearm``."""
+        return self.latch.is_set
 
     @property
     def holder_title(self) -> str | None:
@@ -216,49 +222,45 @@ class ControlLease:
         if self._holder is not None:
             self._holder.freeze()
         self._holder = None
-        self._rest_until = 0.0
+        self._rest.end()
         self.revision += 1
 
     def stop(self) -> None:
         """Anybody; the machine holds from the next tick on, until ``rearm``."""
         self._quieten()
-        if not self.stopped:
-            log.info("stopped")
-            self.stopped = True
-            self.revision += 1
+        self.revision += self.latch.set(True)
 
     def _rearm(self, session: Session) -> LeaseRefusal | None:
         if self._holder is not session:
             return self._other_drives(session) or refusal(LeaseReason.TAKE_FIRST)
         if not session.centred:
             return refusal(LeaseReason.CENTRE_FIRST)
-        self._end_stop()
+        self.revision += self.latch.set(False)
         return None
-
-    def _end_stop(self) -> None:
-        if self.stopped:
-            self.stopped = False
-            self.revision += 1
 
     # by REST, which holds no lease: only while no socket does
 
-    def rearm(self) -> LeaseRefusal | None:
-        """End a stop."""
+    def rearm(self, name: str = "") -> LeaseRefusal | None:
+        """End a stop, as the page of this name or, for ``""``, as REST whose newest command is one
+        to rest and lives.
+        """
+        if self._holder is not None and self._holder.name == name:
+            return self._rearm(self._holder)
         why = self._other_drives(None)
+        if why is None and self.stopped and self._now() > self._rest.at_rest_until:
+            why = refusal(LeaseReason.REST_FIRST)
         if why is None:
-            self._end_stop()
-        return why
+            self.revision += self.latch.set(False)
+        return self._counted(why)
 
     def command(self, command: Command, ttl: float) -> LeaseRefusal | None:
         """Drive for ``ttl`` s; the next socket waits until this has lapsed."""
+        self._rest.show_stick(command.holds)
         why = self._other_drives(None)
         if why is None and self.stopped and not command.holds:
             why = refusal(LeaseReason.REARM_FIRST)
         if why is None:
-            self._rest_until = 0.0 if command.holds else self._now() + ttl
-            if self._rest_drove == command.holds:
-                self._rest_drove = not command.holds
-                self.revision += 1
+            self.revision += self._rest.order(command.holds, self._now() + ttl)
             self.loop.sit_down_at(math.inf)
             if command.holds:
                 self.loop.halt()
@@ -269,7 +271,7 @@ class ControlLease:
         """Take a posture; it ends a command that REST has given."""
         why = self._other_drives(None) or no_posture_now(self, LeaseReason.REARM_FIRST)
         if why is None:
-            self._rest_until = 0.0
+            self._rest.end()
             self._begin_posture(posture)
         return self._counted(why)
 
@@ -279,7 +281,7 @@ class ControlLease:
         """
         if self._holder is not None:
             self._holder.freeze()
-        self._rest_until = 0.0
+        self._rest.end()
         self.loop.sit_down_at(math.inf)
         self.loop.order(HOLD)
 

@@ -9,9 +9,10 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from .child_process import PATIENCE
+
 AT_ONCE = 2
 WAITING_MAX = 200
-PATIENCE = 2.0  # s between asking a child to end and ending it
 
 Begin = Callable[[], "subprocess.Popen[bytes]"]
 

@@ -15,12 +15,13 @@ from dataclasses import replace
 from walking_console.sim.scenario_files import load_scenario
 from walking_console.sim.simulation import Simulation
 from walking_console.sim.snapshot import Snapshot
-from walking_console.sim.world import prepare
+from walking_console.sim.world import World, prepare
 from walking_console.web.scene.scene import Scene
 
 from .api.app import create_app
 from .api.errors import HTTPProblem
-from .api.state import AppSettings
+from .api.kept_world import KeptWorld
+from .api.state import WORLD, AppSettings
 from .api.terrain_edits import edit_under, painted
 from .browser import open_page
 from .listening import (
@@ -38,8 +39,9 @@ from .realtime_loop import RealtimeLoop
 from .render_loop import RenderLoop
 from .request_guard import LOOPBACK, is_address
 from .scheduling import raise_priority
-from .serve_options import LogLevel, ServeOptions
+from .serve_options import FIRST_SCENARIO, LogLevel, ServeOptions
 from .uploaded_file import read_by_child
+from .uploads import Uploads
 from .uvicorn_server import ConsoleServer, config_for
 from .viser_bridge import BridgeError, ViserBridge
 
@@ -55,8 +57,7 @@ def serve(options: ServeOptions) -> None:
     options = for_the_network(options) if options.lan else options
     check_token(options.host, options.token)
     check_names(options.allow_host, options.root_path)
-    robot = [] if options.robot is None else [f"robot={_quoted(options.robot)}"]
-    world = prepare(load_scenario(options.scenario, robot))
+    world = first_world(options)
     # explained for the page's inspector; a tick takes no longer for it
     loop = RealtimeLoop(Simulation(world, explain=True))
     listening = listen(options.host, options.port)
@@ -80,6 +81,18 @@ def serve(options: ServeOptions) -> None:
         loop.stop()
         rendering.stop()
         bridge.stop()
+
+
+def first_world(options: ServeOptions) -> World:
+    """The one that was asked for; where none was, the one last loaded. Raises what a bad scenario
+    or robot raises.
+    """
+    if options.scenario is None and options.robot is None:
+        kept = KeptWorld(options.data / WORLD).made(Uploads(options.data))
+        if kept is not None:
+            return kept
+    robot = [] if options.robot is None else [f"robot={_quoted(options.robot)}"]
+    return prepare(load_scenario(options.scenario or FIRST_SCENARIO, robot))
 
 
 def for_the_network(options: ServeOptions) -> ServeOptions:

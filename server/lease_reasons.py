@@ -15,6 +15,7 @@ class LeaseReason(StrEnum):
     CENTRE_FIRST = "centre_first"
     STOPPED = "stopped"
     REARM_FIRST = "rearm_first"
+    REST_FIRST = "rest_first"
     OTHER_DRIVES = "other_drives"
     OUT_OF_ORDER = "out_of_order"
     NOT_SHOWN = "not_shown"
@@ -27,6 +28,8 @@ TEXTS = {
     LeaseReason.CENTRE_FIRST: "let go of the stick first",
     LeaseReason.STOPPED: "stopped: let go of the stick and rearm",
     LeaseReason.REARM_FIRST: "stopped: rearm first",
+    LeaseReason.REST_FIRST: "stopped: show the stick at rest first, by a command of no speed and "
+    "no turn, then rearm while that lives",
     LeaseReason.OTHER_DRIVES: "{holder} is driving",
     LeaseReason.OUT_OF_ORDER: "out of order: {seq} after {last}",
     LeaseReason.NOT_SHOWN: "echo_tick {tick} has not been shown yet",

@@ -13,11 +13,12 @@ import socket
 import sys
 from collections.abc import Iterable
 
+from .limits import QUEUED_MAX
+
 TOKEN_MIN = 32  # characters: 192 bits as secrets.token_urlsafe writes them
 TOKEN = re.compile(rf"[A-Za-z0-9._~-]{{{TOKEN_MIN},256}}")
 NOTSENT = 16 * 1024  # bytes waiting in the kernel for a slow client; more, and it sees the past
 NOTSENT_OPTION = getattr(socket, "TCP_NOTSENT_LOWAT", 25 if sys.platform == "linux" else None)
-BACKLOG = 128
 HOST_NAME = re.compile(r"(?=.{1,253}(:|$))[A-Za-z0-9]([A-Za-z0-9._-]*[A-Za-z0-9])?(:[0-9]{1,5})?")
 ROOT_PATH = re.compile(r"(/[A-Za-z0-9._~@%-]+)*")
 SOMEWHERE = ("198.51.100.1", 9)  # nowhere: asks which of our addresses leads out, sends nothing
@@ -43,7 +44,7 @@ def listen(host: str, port: int) -> socket.socket:
     try:
         _set_options(listening)
         listening.bind(address)
-        listening.listen(BACKLOG)
+        listening.listen(QUEUED_MAX)
     except OSError as error:
         listening.close()
         raise _cannot_listen(host, port, error) from None

@@ -9,7 +9,8 @@ from collections import deque
 
 from walking_console.planner.types import TICK
 
-RATE_MAX = 8  # times real time; more starves the pages on two cores
+RATE_MIN = 0.1  # times real time
+RATE_MAX = 8.0  # times real time; more starves the pages on two cores
 STALL = 0.2  # s without a tick of the loop that counts as stalled
 ADVANCE_PER_TICK = 100  # simulated ticks in one of the loop; more would make it late itself
 ADVANCE_MAX = 3000  # ticks of one request: a minute of walking
@@ -20,15 +21,16 @@ class Pace:
     """How many simulated ticks the next tick of the loop walks."""
 
     def __init__(self) -> None:
-        self.rate = 1
+        self.rate = 1.0
         self.paused = False
+        self._begun = 0.0  # share of the next tick that is due already, below real time
         self._advances: deque[int] = deque()
         self._owed = 0
 
-    def set_rate(self, rate: int) -> bool:
-        """1 to 8 times real time, else ``ValueError``; answers whether it is another one."""
-        if not 1 <= rate <= RATE_MAX:
-            raise ValueError(f"rate must be 1 to {RATE_MAX}, got {rate}")
+    def set_rate(self, rate: float) -> bool:
+        """0.1 to 8 times real time, else ``ValueError``; answers whether it is another one."""
+        if not RATE_MIN <= rate <= RATE_MAX:
+            raise ValueError(f"rate must be {RATE_MIN:g} to {RATE_MAX:g}, got {rate:g}")
         changes = rate != self.rate
         self.rate = rate
         return changes
@@ -48,9 +50,15 @@ class Pace:
             self._owed += self._advances.popleft()
         if not self.paused:
             self._owed = 0
-            return self.rate
+            return self._ticks_at_rate()
         ticks = min(self._owed, ADVANCE_PER_TICK)
         self._owed -= ticks
+        return ticks
+
+    def _ticks_at_rate(self) -> int:
+        self._begun += self.rate
+        ticks = int(self._begun)
+        self._begun -= ticks
         return ticks
 
     def forgive(self) -> None:

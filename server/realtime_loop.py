@@ -154,8 +154,8 @@ class RealtimeLoop:
         self.pace.paused = False
         self._changed = True
 
-    def set_rate(self, rate: int) -> None:
-        """1 to 8 times real time, else ``ValueError``. A held command must be given again: its
+    def set_rate(self, rate: float) -> None:
+        """0.1 to 8 times real time, else ``ValueError``. A held command must be given again: its
         ticks were counted at the old rate.
         """
         if self.pace.set_rate(rate):
@@ -273,7 +273,7 @@ class RealtimeLoop:
     def _publish(self, now: float) -> None:
         snapshot = self.simulation.snapshot(
             paused=self.pace.paused,
-            rate=float(self.pace.rate),
+            rate=self.pace.rate,
             late=self.lateness.last_second,
         )
         self._shown.note(snapshot.tick, now)

@@ -1,8 +1,8 @@
 """What every request and every WebSocket must show before a route sees it.
 
 Host: loopback names and what was configured (against DNS rebinding). Origin: our own for everything
-that changes something and for every WebSocket, which no browser guards by itself. Token, if there
-is one. A body: at most ``BODY_MAX``, in time. Errors leave as problem+json.
+that changes something, for the interface and for every WebSocket, which no browser guards by
+itself. Token, if there is one. A body: at most ``BODY_MAX``, in time. Errors leave as problem+json.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from .json_shape import fault_of
+from .limits import BODY_MAX, BODY_TIME, UPLOAD_TIME
 from .problems import problem
 from .uploads import UPLOAD_MAX
 
-BODY_MAX = 1024 * 1024  # bytes
-BODY_TIME = 10.0  # s a body may take
+API = "/api/"
 UPLOADS = "/api/v1/uploads/"  # where files come in, which are larger and may take
-UPLOAD_TIME = 120.0  # s
 FORM_HEAD = 4096  # bytes a form has around its file
 LOOPBACK = ("localhost", "127.0.0.1", "::1")
 SAFE_METHODS = ("GET", "HEAD", "OPTIONS")
@@ -93,6 +93,7 @@ class RequestGuard:
             if isinstance(body, Response):
                 refusal = body
             else:
+                refusal = _misshapen(scope, body)
                 receive = _replay(body, receive)
         if refusal is not None:
             log.info("%.200r refused with %d", scope["path"], refusal.status_code)
@@ -103,7 +104,7 @@ class RequestGuard:
         host = headers.get("host", "")
         if len(headers.getlist("host")) != 1 or not self._answers_for(host_name(host)):
             return problem(403, f"this console does not answer for Host {host[:100]!r}")
-        if scope["type"] == "websocket" or scope["method"] not in SAFE_METHODS:
+        if _is_guarded(scope, headers):
             why = _foreign(headers, {host.strip().lower(), *self._authorities})
             if why:
                 return problem(403, why)
@@ -124,6 +125,15 @@ class RequestGuard:
             return True
         shown = headers.get("authorization", "").removeprefix("Bearer ") or _from_cookie(headers)
         return hmac.compare_digest(shown.encode("utf-8", "replace"), token.encode())
+
+
+def _is_guarded(scope: Scope, headers: Headers) -> bool:
+    """Whether only our own pages may ask for it: what changes something, every socket, and the
+    interface, whose answers may be dear, unless a person follows a link to it.
+    """
+    if scope["type"] == "websocket" or scope["method"] not in SAFE_METHODS:
+        return True
+    return _route(scope).startswith(API) and headers.get("sec-fetch-user") != "?1"
 
 
 def _route(scope: Scope) -> str:
@@ -162,6 +172,14 @@ async def _whole_body(scope: Scope, receive: Receive) -> bytes | Response:
             return await _gathered(receive, limit)
     except TimeoutError:
         return problem(408, f"a body may take {time:g} s", headers={"connection": "close"})
+
+
+def _misshapen(scope: Scope, body: bytes) -> Response | None:
+    """The refusal of JSON that no reader should have to bear."""
+    if body.lstrip()[:1] not in (b"{", b"[") or f"{_route(scope)}/".startswith(UPLOADS):
+        return None
+    fault = fault_of(body)
+    return problem(422, fault) if fault else None
 
 
 def _limits(scope: Scope) -> tuple[int, float]:

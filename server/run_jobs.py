@@ -28,13 +28,14 @@ SPACE_MIN = 200e6  # bytes free, below which no run begins
 REASON_SHOWN = 500  # characters of what a child said last
 ID = re.compile(r"[a-z0-9][a-z0-9_-]{0,63}")
 STEM_LENGTH = 50  # characters of a name that an id keeps
+REPLAY = "replay.html"
 FILES = {
     "run.json": "application/json",
     "ticks.npz": "application/octet-stream",
     "steps.jsonl": "application/x-ndjson",
     "terrain.npz": "application/octet-stream",
     "inputs.jsonl": "application/x-ndjson",
-    "replay.html": "text/html; charset=utf-8",
+    REPLAY: "text/html; charset=utf-8",
 }
 RESULTS = ("completed", "blocked", "fell", "interrupted")
 SUMMARY = (
@@ -217,6 +218,10 @@ class RunJobs(ChildJobs):
     given = "jobs"
     files = FILES
 
+    def __init__(self, data: Path, queue: JobQueue) -> None:
+        super().__init__(data, queue)
+        self.drawings = JobQueue(at_once=1)  # of replays
+
     def start(
         self, scenario: Mapping[str, Any], name: str, *, trace_decisions: bool = False
     ) -> str:
@@ -237,11 +242,23 @@ class RunJobs(ChildJobs):
         figures = {key: summary.get(key) for key in SUMMARY}
         return str(summary["result"]), str(summary.get("reason", "")), figures
 
-    def draw(self, run_id: str) -> subprocess.Popen[bytes]:
-        """A child that writes ``replay.html`` into a finished run."""
+    def draw(self, run_id: str, limit: float) -> None:
+        """Draw ``replay.html`` of a finished run in a child; waits for it, at most ``limit`` s, so
+        from a worker thread, one at a time.
+        """
         folder = self.folder / run_id
-        page = str(folder / "replay.html")
-        return start_child(["export", str(folder), "--to", "html", "--out", page], folder)
+        part = folder / f"{REPLAY}.part"
+        arguments = ["export", str(folder), "--to", "html", "--out", str(part)]
+        drawing = self.drawings.add(lambda: start_child(arguments, folder)).process
+        if drawing is None:
+            return  # the console ends
+        try:
+            drawing.wait(limit)
+        except subprocess.TimeoutExpired:
+            drawing.kill()
+        else:
+            if part.is_file() and drawing.returncode == 0:
+                os.replace(part, folder / REPLAY)
 
 
 def numbered(name: str, number: int) -> str:

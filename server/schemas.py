@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from walking_console.planner.types import TICK, Command
 from walking_console.sim.scenario import ModeName
 
-from .pacing import ADVANCE_MAX, RATE_MAX
+from .pacing import ADVANCE_MAX, RATE_MAX, RATE_MIN
 
 # m/s: nothing that walks here is faster; the walker's own v_max still applies below it
 SPEED_MAX = 2.0
@@ -117,7 +117,7 @@ class RateBody(Shape):
     """Times real time."""
 
     model_config = example(rate=4)
-    rate: Annotated[int, Field(ge=1, le=RATE_MAX)]
+    rate: Annotated[float, Field(ge=RATE_MIN, le=RATE_MAX)]
 
 
 class ScenarioBody(Shape):

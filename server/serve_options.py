@@ -9,6 +9,7 @@ from pathlib import Path
 from .sessions import SIT_AFTER
 
 DATA = Path("walking-console-data")  # in the working directory
+FIRST_SCENARIO = "dem"
 
 
 class LogLevel(StrEnum):
@@ -27,7 +28,7 @@ class ServeOptions:
     host: str = "127.0.0.1"
     port: int = 8000  # 0: any free one
     robot: str | None = None  # instead of the scenario's own
-    scenario: str = "dem"
+    scenario: str | None = None  # None: the world last loaded, or FIRST_SCENARIO
     open_page: bool = True
     token: str | None = None
     data: Path = DATA

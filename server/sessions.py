@@ -1,13 +1,15 @@
 """One socket's part in driving: its last number, its stick, its allowance of frames, and how long
-its silence is borne.
+its silence is borne; and REST's, which has no socket.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
 from .lease_reasons import LeaseReason, LeaseRefusal, refusal
+from .limits import DRIVE_BURST, DRIVE_BURST_AFTER_SILENCE, DRIVE_FRAMES_PER_SECOND
 from .schemas import DriveFrame, PostureFrame
 
 DEAD_MAN = 0.5  # s: shorter stops on every hiccup of a wireless link, longer walks on blindly
@@ -15,10 +17,6 @@ DEAD_MAN = 0.5  # s: shorter stops on every hiccup of a wireless link, longer wa
 # sit on every bad link
 SIT_AFTER = 10.0
 LEASE_IDLE = 15.0  # s without a frame after which the lease is free
-FRAMES_PER_SECOND = 100.0
-FRAME_BURST = 50.0
-# what five seconds without a link may hold back and deliver at once
-FRAME_BURST_AFTER_SILENCE = 500.0
 
 
 class TooFast(Exception):
@@ -37,17 +35,17 @@ class Session:
     heard: float = 0.0  # s, last frame of any kind
     driven: float = 0.0  # s, last accepted drive frame
     moving: bool = False  # whether that one asked for motion
-    allowance: float = FRAME_BURST
+    allowance: float = DRIVE_BURST
     counted: float = 0.0  # s, when the allowance was last drawn on
 
     def count(self, now: float) -> None:
         """Take one frame out of the allowance; raises ``TooFast`` when there is none left."""
-        earned = (now - self.counted) * FRAMES_PER_SECOND
-        ceiling = max(FRAME_BURST, min(earned, FRAME_BURST_AFTER_SILENCE))
+        earned = (now - self.counted) * DRIVE_FRAMES_PER_SECOND
+        ceiling = max(DRIVE_BURST, min(earned, DRIVE_BURST_AFTER_SILENCE))
         self.allowance = max(self.allowance, min(ceiling, self.allowance + earned)) - 1.0
         self.counted = self.heard = now
         if self.allowance < 0.0:
-            raise TooFast(f"more than {FRAMES_PER_SECOND:g} frames a second")
+            raise TooFast(f"more than {DRIVE_FRAMES_PER_SECOND:g} frames a second")
 
     def freeze(self) -> None:
         """A stick left pressed moves nothing until it has been seen at rest."""
@@ -88,3 +86,37 @@ class Session:
         self.sequence = frame.seq
         age = age_of(frame.echo_tick)
         return refusal(LeaseReason.NOT_SHOWN, tick=frame.echo_tick) if age is None else age
+
+
+@dataclass(eq=False)
+class RestSession:
+    """The part of REST in driving, which holds no lease: its commands lapse by themselves."""
+
+    until: float = 0.0  # s, its last command lives
+    at_rest_until: float = -math.inf  # s, its stick counts as seen at rest
+    drives: bool = False  # as last said
+
+    def order(self, holds: bool, until: float) -> bool:
+        """One command, which lives until then; whether that changes who drives."""
+        self.until = 0.0 if holds else until
+        if holds:
+            self.at_rest_until = until
+        changed = self.drives == holds
+        self.drives = not holds
+        return changed
+
+    def show_stick(self, at_rest: bool) -> None:
+        """How the stick stands, whatever comes of the command."""
+        if not at_rest:
+            self.at_rest_until = -math.inf
+
+    def lapses(self, now: float) -> bool:
+        """Whether it drove, as last said, and does no longer."""
+        if not self.drives or now < self.until:
+            return False
+        self.drives = False
+        return True
+
+    def end(self) -> None:
+        """Its command lives no longer."""
+        self.until = 0.0

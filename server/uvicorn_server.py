@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import os
 import signal
@@ -13,12 +14,25 @@ from types import FrameType
 from typing import Any, cast
 
 import uvicorn
+from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
+from websockets.http11 import Request
 
-WRITE_BUFFER = 32 * 1024  # bytes waiting for a slow client; more, and it sees the past
-SOCKET_FRAME_MAX = 64 * 1024  # bytes of any WebSocket frame; /drive and the canvas allow less
-PING_EVERY = 5.0  # s
-PING_TIME = 10.0  # s; a canvas on a slow line answers behind the ground it is still being sent
+from .connections import Connections, most_connections
+from .limits import (
+    ACCEPTED_AT_ONCE,
+    DRIVE_PING_EVERY,
+    DRIVE_PING_TIME,
+    FIRST_REQUEST_TIME,
+    IDLE_TIME,
+    PING_EVERY,
+    PING_TIME,
+    QUEUED_MAX,
+    SOCKET_FRAME_MAX,
+    WRITE_BUFFER,
+)
+from .socket_end import ABORT
+
 GRACE = 2  # s open requests get at the end
 LAST_RESORT = 4.5  # s after the signal, whatever is open
 END_SIGNALS = (signal.SIGINT, signal.SIGTERM)
@@ -26,20 +40,91 @@ END_SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 class SmallBuffers(WebSocketsSansIOProtocol):
     """uvicorn's WebSocket with a small write buffer: a slow client then holds its sender up instead
-    of falling behind.
+    of falling behind. One that answers no ping is cut.
     """
 
     def connection_made(self, transport: BaseTransport) -> None:
         cast(Transport, transport).set_write_buffer_limits(high=WRITE_BUFFER)
         super().connection_made(transport)
 
+    def connection_lost(self, exc: Exception | None) -> None:
+        _connections_of(self.config).close(self.transport)
+        super().connection_lost(exc)
 
-def config_for(app: Any) -> uvicorn.Config:
+    def handle_connect(self, event: Request) -> None:
+        super().handle_connect(event)
+        if self.transport.is_closing():
+            return
+        extensions = cast(dict[str, Any], self.scope["extensions"])
+        extensions[ABORT] = self.transport.abort
+        if self.scope["path"].rstrip("/").endswith("/drive"):
+            self.ping_interval = DRIVE_PING_EVERY
+            self.ping_timeout = DRIVE_PING_TIME
+
+    def keepalive_timeout(self) -> None:
+        super().keepalive_timeout()
+        self.transport.abort()  # a close would wait until the client reads
+
+
+class PatientOnlyWithAsking(H11Protocol):
+    """uvicorn's HTTP, for clients that ask: a connection without a whole request head for
+    ``FIRST_REQUEST_TIME`` s is cut, and where there are too many, sooner.
+    """
+
+    _overdue: asyncio.TimerHandle | None = None
+
+    def connection_made(self, transport: Transport) -> None:  # type: ignore[override]
+        super().connection_made(transport)
+        if not _connections_of(self.config).open(transport):
+            transport.abort()
+            return
+        self._overdue = self.loop.call_later(FIRST_REQUEST_TIME, transport.abort)
+
+    def data_received(self, data: bytes) -> None:
+        cycle = self.cycle
+        super().data_received(data)
+        if self.cycle is not cycle:
+            self._has_asked()
+
+    def handle_websocket_upgrade(self, event: Any) -> None:
+        self._has_asked()
+        super().handle_websocket_upgrade(event)
+
+    def on_response_complete(self) -> None:
+        _connections_of(self.config).idle(self.transport)
+        super().on_response_complete()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._has_asked()
+        _connections_of(self.config).close(self.transport)
+        super().connection_lost(exc)
+
+    def _has_asked(self) -> None:
+        _connections_of(self.config).busy(self.transport)
+        if self._overdue is not None:
+            self._overdue.cancel()
+            self._overdue = None
+
+
+class ConsoleConfig(uvicorn.Config):
+    """uvicorn's settings, and who is connected."""
+
+    def __init__(self, *words: Any, **settings: Any) -> None:
+        super().__init__(*words, **settings)
+        self.connections = Connections(most_connections())
+
+
+def _connections_of(config: uvicorn.Config) -> Connections:
+    assert isinstance(config, ConsoleConfig)
+    return config.connections
+
+
+def config_for(app: Any) -> ConsoleConfig:
     """How the console is served: no compressed frames, no proxy headers, no access log."""
-    return uvicorn.Config(
+    return ConsoleConfig(
         app,
         loop="asyncio",
-        http="h11",
+        http=PatientOnlyWithAsking,
         ws=SmallBuffers,
         ws_max_size=SOCKET_FRAME_MAX,
         ws_per_message_deflate=False,
@@ -49,6 +134,8 @@ def config_for(app: Any) -> uvicorn.Config:
         server_header=False,
         access_log=False,
         log_level="warning",
+        backlog=ACCEPTED_AT_ONCE,
+        timeout_keep_alive=IDLE_TIME,
         timeout_graceful_shutdown=GRACE,
     )
 
@@ -65,6 +152,8 @@ class ConsoleServer(uvicorn.Server):
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         await super().startup(sockets)
+        for listening in sockets or ():
+            listening.listen(QUEUED_MAX)  # asyncio has set it to what it accepts at once
         self.listening.set()
 
     @contextlib.contextmanager

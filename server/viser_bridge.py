@@ -21,7 +21,7 @@ from concurrent.futures import Future
 from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Protocol
+from typing import Any
 from urllib.parse import parse_qsl, urlencode
 
 import rich
@@ -31,15 +31,17 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from viser import _messages
 from websockets.exceptions import ConnectionClosedOK
 
+from .limits import (
+    CANVAS_BURST,
+    CANVAS_FRAME_MAX,
+    CANVAS_MESSAGES_PER_SECOND,
+    CANVAS_SEND_TIME,
+    CANVASES_MAX,
+)
 from .problems import problem
+from .socket_end import close
 
 SUBPROTOCOL = f"viser-v{viser.__version__}"
-CLIENTS_MAX = 16
-CANVAS_FRAME_MAX = 16 * 1024  # bytes from a client; a camera message has about 300
-MESSAGES_PER_SECOND = 240.0  # a camera that follows the mouse sends one a frame
-MESSAGE_BURST = 240.0
-# s a client may take for one frame before it is cut; the first one carries the whole ground
-CANVAS_SEND_TIME = 30.0
 START_TIME = 20.0  # s
 PASSED = (
     _messages.ViewerCameraMessage,
@@ -55,12 +57,6 @@ ServeClient = Callable[[Any], Awaitable[None]]
 
 class BridgeError(RuntimeError):
     """viser did not start, or is not the viser this bridge knows."""
-
-
-class Closing(Protocol):
-    """Whatever can be closed with a code."""
-
-    async def close(self, code: int = 1000, reason: str | None = None) -> None: ...
 
 
 class _NoSockets:
@@ -187,7 +183,7 @@ class ClientStream:
     async def close(self, code: int = 1000, reason: str = "") -> None:
         self._closed = True
         self._inbox.put_nowait(None)
-        asyncio.run_coroutine_threadsafe(_close(self._socket, code, reason), self._web_loop)
+        asyncio.run_coroutine_threadsafe(close(self._socket, code, reason), self._web_loop)
 
     def deliver(self, frame: bytes | None) -> None:
         """On viser's loop: the next frame from the client, None at its end."""
@@ -198,23 +194,15 @@ class Allowance:
     """How many messages a client may still send: a burst, refilled as time goes by."""
 
     def __init__(self, now: float) -> None:
-        self._left = MESSAGE_BURST
+        self._left = CANVAS_BURST
         self._counted = now
 
     def take(self, now: float) -> bool:
         """One more message; False when it is one too many."""
-        earned = (now - self._counted) * MESSAGES_PER_SECOND
-        self._left = min(MESSAGE_BURST, self._left + earned) - 1.0
+        earned = (now - self._counted) * CANVAS_MESSAGES_PER_SECOND
+        self._left = min(CANVAS_BURST, self._left + earned) - 1.0
         self._counted = now
         return self._left >= 0.0
-
-
-async def _close(socket: Closing, code: int, reason: str) -> None:
-    try:
-        async with asyncio.timeout(1.0):
-            await socket.close(code, reason)
-    except (RuntimeError, WebSocketDisconnect, OSError, TimeoutError):
-        pass  # it was closed already
 
 
 def may_pass(frame: bytes) -> bool:
@@ -277,9 +265,9 @@ class ViserBridge:
         if SUBPROTOCOL not in socket.scope["subprotocols"]:
             await socket.send_denial_response(problem(400, f"the canvas speaks {SUBPROTOCOL}"))
             return
-        if len(self._streams) >= CLIENTS_MAX:
+        if len(self._streams) >= CANVASES_MAX:
             await socket.send_denial_response(
-                problem(503, f"{CLIENTS_MAX} canvases are open already")
+                problem(503, f"{CANVASES_MAX} canvases are open already")
             )
             return
         stream = ClientStream(socket, asyncio.get_running_loop())
@@ -300,7 +288,7 @@ class ViserBridge:
             await asyncio.wait({handled, reading}, return_when=asyncio.FIRST_COMPLETED)
             ended = reading.done() and not reading.cancelled() and reading.exception() is None
             code = reading.result() if ended else 1011
-            await _close(socket, code, "")
+            await close(socket, code)
         finally:
             reading.cancel()
             self._say(stream, None)

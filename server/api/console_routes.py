@@ -33,6 +33,7 @@ from .state import AppState, ConsoleState
 from .terrain_edits import edit_under, packed_terrain
 
 ADVANCE_TIME = 20.0  # s
+KEPT_TIME = 0.05  # s an answer waits for the disk to know of a stop, which has begun already
 SWITCH_TIME = 1.0  # s for a pause to show
 
 router = APIRouter(prefix="/api/v1/console", tags=["console"])
@@ -43,10 +44,10 @@ def _or_refuse(why: LeaseRefusal | None) -> None:
         raise HTTPProblem(409, why.text)
 
 
-def _refuse_others(
-    state: ConsoleState,
-    x_lease: Annotated[str, Header(max_length=64, description="a page's own `lease_id`")] = "",
-) -> None:
+OwnName = Annotated[str, Header(max_length=64, description="a page's own `lease_id`")]
+
+
+def _refuse_others(state: ConsoleState, x_lease: OwnName = "") -> None:
     """While a page drives, nobody else changes its world."""
     _or_refuse(state.lease.keeps_from_changing(x_lease))
 
@@ -125,13 +126,16 @@ async def stop(state: ConsoleState) -> dict[str, Any]:
     """Stop, until `rearm`. Anybody may."""
     state.lease.stop()
     state.wake()
+    await asyncio.to_thread(state.lease.latch.wait, KEPT_TIME)
     return {"stopped": True}
 
 
 @router.post("/rearm")
-async def rearm(state: ConsoleState) -> dict[str, Any]:
-    """End a stop; refused (409) while a page drives: it must do so itself."""
-    _or_refuse(state.lease.rearm())
+async def rearm(state: ConsoleState, x_lease: OwnName = "") -> dict[str, Any]:
+    """End a stop: by the page that drives, its stick at rest, or, while none does, within the
+    `ttl_s` of a command of no speed and no turn. Refused (409) otherwise.
+    """
+    _or_refuse(state.lease.rearm(x_lease))
     state.wake()
     return {"stopped": False}
 
@@ -204,7 +208,7 @@ async def advance(body: AdvanceBody, state: ConsoleState) -> JSONResponse:
 
 @router.post("/rate", dependencies=CHANGING)
 async def rate(body: RateBody, state: ConsoleState) -> dict[str, Any]:
-    """1 to 8 times real time; a held command must be given again."""
+    """0.1 to 8 times real time; a held command must be given again."""
     if body.rate != state.loop.pace.rate:
         state.lease.hold()
         state.loop.set_rate(body.rate)
@@ -216,11 +220,12 @@ async def scenario(body: ScenarioBody, state: ConsoleState) -> JSONResponse:
     """Load a scenario by name or inline. The machine holds; the old world walks on until the new
     one is made.
     """
-    async with state.loads:
+    async with state.kept_world.turn:
         world = await asyncio.to_thread(world_of, body, state.uploads)
         before = state.loop.newest
         state.lease.hold()
         state.loop.load(world)
+        state.kept_world.keep(body)
         await state.until_another_world(before)
     return _snapshot(state)
 

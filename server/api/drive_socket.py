@@ -23,20 +23,17 @@ from walking_console.sim.snapshot import Snapshot
 
 from ..explanation_frames import ahead_frame, decision_frame
 from ..frames import HelloFrame, LeaseFrame, PongFrame, RefusedFrame, as_text, style_frame
+from ..limits import DRIVE_FRAME_MAX, DRIVE_SEND_TIME, DRIVERS_MAX
 from ..problems import problem
 from ..schemas import BadFrame, PingFrame, read_frame
 from ..sessions import DEAD_MAN, TooFast
+from ..socket_end import GONE, close
 from .state import AppState, ConsoleState
 
-DRIVE_FRAME_MAX = 4096  # bytes of one frame on /drive
-DRIVERS_MAX = 32  # sockets on /drive
 SHOW_RATE = 30.0  # Hz, snapshots to one page at most, but what a hand has done shows at once
 EAGER_TIME = 0.2  # s after another command in which every snapshot is shown
-SEND_TIME = 5.0  # s a page may take for one snapshot before it is cut
-CLOSE_TIME = 1.0  # s a closing socket is waited for
 REFUSALS_KEPT = 16
 NOTHING_AHEAD = as_text({"type": "ahead"})
-GONE = (TimeoutError, WebSocketDisconnect, RuntimeError, OSError)
 
 log = logging.getLogger(__name__)
 router = APIRouter()
@@ -145,7 +142,7 @@ class DriveSocket:
         except CloseWith as end:
             log.warning("%s is closed with %d: %s", self.name, end.code, end)
             self._lease.close(self._session)
-            await self._socket.close(end.code, str(end))
+            await close(self._socket, end.code, str(end))
 
     def _text_of(self, message: Message) -> str:
         """One frame's text; raises ``CloseWith`` for what ends a socket."""
@@ -198,8 +195,7 @@ class DriveSocket:
         except GONE:
             log.info("%s is too slow, or gone", self.name)
             self._lease.close(self._session)
-            with contextlib.suppress(*GONE):
-                await asyncio.wait_for(self._socket.close(1008, "too slow"), CLOSE_TIME)
+            await close(self._socket, 1008, "too slow")
 
     async def _pause(self) -> None:
         """Until there is something to show. What a hand has done is shown at once, and so is what
@@ -283,5 +279,5 @@ class DriveSocket:
             await self._send(decision.model_dump_json())
 
     async def _send(self, text: str) -> None:
-        async with asyncio.timeout(SEND_TIME):
+        async with asyncio.timeout(DRIVE_SEND_TIME):
             await self._socket.send_text(text)

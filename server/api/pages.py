@@ -17,7 +17,9 @@ from ..viser_bridge import ViserBridge, clean_query
 from .errors import HTTPProblem
 from .state import ConsoleState
 
-PAGE_FILES = frozenset(".html .js .css .svg .png .ico .map .json .webmanifest .woff2 .txt".split())
+PAGE_FILES = frozenset(
+    ".html .js .css .svg .png .jpg .ico .map .json .webmanifest .woff2 .txt".split()
+)
 PATH_SHOWN = 200  # characters of a path that is not there
 NO_CANVAS = "this console has no canvas"
 DOCS = """<!doctype html>

@@ -36,7 +36,7 @@ async def replay(state: ConsoleState, seconds: Seconds = 30.0) -> HTMLResponse:
     snapshots = state.recording.last(seconds)
     if len(snapshots) < 2:
         raise HTTPProblem(409, "nothing has been walked yet")
-    async with state.loads:
+    async with state.kept_world.turn:
         with tempfile.TemporaryDirectory() as folder:
             page = await asyncio.to_thread(_drawn, Path(folder), snapshots)
     if page is None:

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import asyncio
-from pathlib import Path
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Query, Request, Response
 from fastapi import Path as PathPart
 from fastapi.responses import FileResponse
 
-from ..run_jobs import FILES, RunJobs, RunRefused
+from ..run_jobs import FILES, REPLAY, RunRefused
 from ..schemas import SHIPPED_NAME, RunBody, RunState
 from .errors import HTTPProblem
 from .scenario_choice import chosen_scenario
 from .state import ConsoleState
 
-DRAW_TIME = 120.0  # s to draw a run's replay.html
-REPLAY = "replay.html"
 # a run's own file, but made of what somebody may have typed: no origin, no network
 REPLAY_POLICY = (
     "sandbox allow-scripts; default-src 'none'; "
@@ -88,20 +85,8 @@ async def file(run_id: KnownRun, name: FileName, state: ConsoleState) -> FileRes
         raise HTTPProblem(404, there_are, field="name", value=name, limit=list(FILES))
     path = state.jobs.file(run_id, name)
     if path is None and name == REPLAY:
-        path = await _drawn(state.jobs, run_id)
+        path = await state.replays.page_of(run_id)
     if path is None:
         raise HTTPProblem(404, f"run {run_id!r} has no {name} (yet)")
     headers = {"content-security-policy": REPLAY_POLICY} if name == REPLAY else None
     return FileResponse(path, media_type=FILES[name], headers=headers)
-
-
-async def _drawn(jobs: RunJobs, run_id: str) -> Path | None:
-    """The replay page of a run that is over, drawn now."""
-    if jobs.file(run_id, "run.json") is None:
-        return None
-    child = jobs.draw(run_id)
-    try:
-        await asyncio.to_thread(child.wait, DRAW_TIME)
-    except Exception:
-        child.kill()
-    return jobs.file(run_id, REPLAY)

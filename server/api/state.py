@@ -18,6 +18,7 @@ from starlette.requests import HTTPConnection
 from walking_console.sim.snapshot import Snapshot
 
 from ..control_lease import ControlLease
+from ..disk_thread import DiskThread
 from ..frames import as_text, snapshot_frame
 from ..job_queue import JobQueue
 from ..live_recording import LiveRecording
@@ -25,12 +26,16 @@ from ..realtime_loop import RealtimeLoop
 from ..run_jobs import RunJobs
 from ..serve_options import DATA
 from ..sessions import SIT_AFTER
+from ..stop_latch import StopLatch
 from ..sweep_jobs import SweepJobs
 from ..uploaded_file import ReadUpload, understood
 from ..uploads import Uploads
 from ..viser_bridge import ViserBridge
+from .kept_world import KeptWorld
+from .replays import Replays
 
-LOADS_AT_ONCE = 1
+STOPPED = "stopped"  # the file in the data folder that keeps a stop
+WORLD = "world.json"  # the file there that keeps the world last loaded
 SETTLE_TIME = 5.0  # s for another world to show
 
 
@@ -89,17 +94,19 @@ class AppState:
         self.loop = loop
         self.settings = settings
         self.bridge = bridge
-        self.lease = ControlLease(loop, settings.sit_after)
-        self.queue = JobQueue()
-        self.jobs = RunJobs(settings.data, self.queue)
-        self.sweeps = SweepJobs(settings.data, self.queue)
+        disk = DiskThread()
+        latch = StopLatch(settings.data / STOPPED, disk)
+        self.lease = ControlLease(loop, settings.sit_after, latch)
+        self.kept_world = KeptWorld(settings.data / WORLD, disk)
+        self.jobs = RunJobs(settings.data, JobQueue())
+        self.sweeps = SweepJobs(settings.data, self.jobs.queue)
+        self.replays = Replays(self.jobs)
         self.uploads = Uploads(settings.data, settings.read_upload)
         self.recording = LiveRecording()
         self.changes: ChangeSignal | None = None
         self.drivers: set[str] = set()  # names of the sockets on /drive
         self.started = time.monotonic()
         self.start_name = secrets.token_hex(4)  # of this start of the server
-        self.loads = asyncio.Semaphore(LOADS_AT_ONCE)
         self._shown = ShownText(None, False, "", False, "")
 
     @asynccontextmanager
@@ -123,7 +130,8 @@ class AppState:
         finally:
             self.loop.on_publish = lambda: None
             self.lease.hold()
-            await asyncio.to_thread(self.queue.stop)
+            await asyncio.to_thread(self.jobs.queue.stop)
+            await asyncio.to_thread(self.replays.stop)
 
     def wake(self) -> None:
         """Let every page look again."""

@@ -13,7 +13,8 @@ from ..run_jobs import RunRefused
 from ..schemas import SHIPPED_NAME, SweepBody, SweepState
 from ..sweep_jobs import CURVE, SWEEP_FILES
 from .errors import HTTPProblem
-from .run_routes import DRAW_TIME, FileName, NewestOnly
+from .replays import DRAW_TIME
+from .run_routes import FileName, NewestOnly
 from .scenario_choice import sweep_order
 from .state import AppState, ConsoleState
 

@@ -73,7 +73,7 @@ async def _files(request: Request) -> list[FormFile]:
 
 
 async def _stored(state: AppState, name: str, body: bytes) -> dict[str, Any]:
-    async with state.loads:
+    async with state.kept_world.turn:
         try:
             return await asyncio.to_thread(state.uploads.store, name, body)
         except UploadRefused as error:

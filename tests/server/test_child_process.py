@@ -1,16 +1,25 @@
 """A child of the console runs this program and nothing that lies in the working directory."""
 
 import os
+import subprocess
 import sys
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 
+import psutil
 import pytest
 from fastapi.testclient import TestClient
 
 from walking_console.server.api.app import create_app
 from walking_console.server.api.state import AppSettings
-from walking_console.server.child_process import COMMAND, SECRET, start_child
+from walking_console.server.child_process import (
+    COMMAND,
+    PARENT,
+    SECRET,
+    end_with_parent,
+    start_child,
+)
 from walking_console.server.realtime_loop import RealtimeLoop
 
 HERE = "http://127.0.0.1:8000"
@@ -77,3 +86,34 @@ def test_a_folder_named_in_full_stays_on_the_path_and_the_token_does_not_go_alon
     environment, *path = (tmp_path / "said").read_text().splitlines()
     assert "k" * 40 not in environment and "'PYTHONSAFEPATH': '1'" in environment
     assert str(tmp_path) in path and str(Path.cwd()) not in path
+
+
+KILLED_PARENT = """
+import os, sys
+from pathlib import Path
+from walking_console.server import child_process
+child_process.COMMAND = (sys.executable, "-c", sys.argv[1])
+print(child_process.start_child([], Path(sys.argv[2])).pid, flush=True)
+os.kill(os.getpid(), 9)
+"""
+CHILD = """
+import time
+from walking_console.server.child_process import end_with_parent
+end_with_parent()
+time.sleep(60)
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="only there is a lost parent seen")
+def test_a_child_ends_when_the_console_that_began_it_is_killed(tmp_path: Path) -> None:
+    words = [sys.executable, "-c", KILLED_PARENT, CHILD, str(tmp_path)]
+    said = subprocess.run(words, capture_output=True, text=True, timeout=30).stdout
+    child = psutil.Process(int(said))
+    assert psutil.wait_procs([child], timeout=20.0)[1] == []
+
+
+def test_a_program_that_nobody_began_watches_nobody(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv(PARENT, raising=False)
+    before = threading.active_count()
+    end_with_parent()
+    assert threading.active_count() == before

@@ -32,6 +32,7 @@ TAKE, RELEASE = TakeFrame(type="take"), ReleaseFrame(type="release")
 STOP, REARM = StopFrame(type="stop"), RearmFrame(type="rearm")
 CENTRE_FIRST = TEXTS[LeaseReason.CENTRE_FIRST]
 STOPPED = TEXTS[LeaseReason.STOPPED]
+REST_FIRST = TEXTS[LeaseReason.REST_FIRST]
 TAKE_FIRST = TEXTS[LeaseReason.TAKE_FIRST]
 
 
@@ -136,13 +137,13 @@ def test_letting_go_holds_within_one_tick(stage: Stage) -> None:
     assert stage.walk().holds and stage.lease.holder is None
 
 
-@pytest.mark.parametrize("rate", [1, 8])
-def test_without_fresh_frames_the_machine_holds_at_the_dead_man(stage: Stage, rate: int) -> None:
+@pytest.mark.parametrize("rate", [0.25, 1, 8])
+def test_without_fresh_frames_the_machine_holds_at_the_dead_man(stage: Stage, rate: float) -> None:
     stage.loop.set_rate(rate)
     session = stage.lease.open("a")
     stage.press(session)
     assert not stage.walk(DEAD_MAN - 0.02).holds
-    assert stage.walk(0.04).holds
+    assert stage.walk(0.02 + 0.02 / min(rate, 1.0)).holds
 
 
 def test_after_the_dead_man_the_stick_must_be_let_go_first(stage: Stage) -> None:
@@ -310,8 +311,32 @@ def test_rest_neither_drives_through_a_stop_nor_ends_the_stop_of_a_holder(stage:
     assert text_of(stage.lease.rearm()) == "a is driving"
     stage.lease.close(session)
     assert text_of(stage.lease.command(Command(0.0, 0.05, 0.0), 0.5)).startswith("stopped")
+    assert text_of(stage.lease.rearm()) == REST_FIRST, "and not without a stick at rest"
+    assert stage.lease.command(Command(), 0.5) is None
     assert stage.lease.rearm() is None
     assert stage.lease.command(Command(0.0, 0.05, 0.0), 0.5) is None
+
+
+def test_rest_rearms_only_while_its_command_to_rest_is_the_newest_and_lives(stage: Stage) -> None:
+    stage.lease.stop()
+    stage.lease.command(Command(), 0.5)
+    stage.walk(0.6)
+    assert text_of(stage.lease.rearm()) == REST_FIRST
+    stage.lease.command(Command(), 0.5)
+    stage.lease.command(Command(0.0, 0.05, 0.0), 0.5)  # refused, but a stick that is pressed
+    assert text_of(stage.lease.rearm()) == REST_FIRST
+    assert stage.lease.stopped
+
+
+def test_by_its_name_the_page_that_drives_rearms_with_its_stick_at_rest(stage: Stage) -> None:
+    session = stage.lease.open("a")
+    stage.lease.handle(session, TAKE)
+    stage.lease.stop()
+    stage.press(session)
+    assert text_of(stage.lease.rearm("a")) == CENTRE_FIRST
+    stage.press(session, speed=0.0)
+    assert text_of(stage.lease.rearm("b")) == "a is driving"
+    assert stage.lease.rearm("a") is None and not stage.lease.stopped
 
 
 def test_a_flood_is_cut_after_its_burst_and_a_stick_at_30_a_second_never_is(stage: Stage) -> None:

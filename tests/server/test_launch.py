@@ -11,24 +11,34 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 import httpx
 import pytest
+from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from walking_console.server.launch import app_settings, for_the_network, log_to_stderr
+from walking_console.server.api.kept_world import KeptWorld
+from walking_console.server.api.state import WORLD
+from walking_console.server.launch import (
+    app_settings,
+    first_world,
+    for_the_network,
+    log_to_stderr,
+)
 from walking_console.server.listening import ServeError, check_token, is_loopback
-from walking_console.server.serve_options import LogLevel, ServeOptions
+from walking_console.server.serve_options import FIRST_SCENARIO, LogLevel, ServeOptions
 
 COMMAND = (sys.executable, "-m", "walking_console", "--no-open", "--scenario", "flat")
 
 
 @contextmanager
-def served(folder: Path, *more: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
+def served(
+    folder: Path, *more: str, before: tuple[str, ...] = ()
+) -> Iterator[tuple[subprocess.Popen[str], str]]:
     """A console in a process of its own, and the address it printed."""
-    command = [*COMMAND, "--port", "0", "--data", str(folder), *more]
+    command = [*before, *COMMAND, "--port", "0", "--data", str(folder), *more]
     environment = {**os.environ, "PYTHONIOENCODING": "utf-8"}
     with subprocess.Popen(
         command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8"
@@ -67,6 +77,65 @@ def test_it_prints_one_address_answers_there_and_ends_in_time_whatever_is_open(
             assert time.monotonic() - begun < 5.0
             slow.close()
         assert process.stdout is not None and process.stdout.read() == "", "one line, and no other"
+
+
+def test_a_stop_is_still_there_after_the_console_was_killed_and_started_again(
+    tmp_path: Path,
+) -> None:
+    with served(tmp_path) as (process, url):
+        assert httpx.post(f"{url}/api/v1/console/stop").json() == {"stopped": True}
+        process.kill()
+        process.wait(10)
+    with served(tmp_path) as (_, url):
+        assert httpx.get(f"{url}/api/v1/console").json()["stopped"]
+        assert httpx.post(f"{url}/api/v1/console/rearm").status_code == 409
+
+
+@pytest.mark.skipif(os.name != "posix", reason="only there are descriptors few")
+def test_silent_connections_keep_nobody_out_where_descriptors_are_few(tmp_path: Path) -> None:
+    few = 'ulimit -n 256 && exec "$0" "$@"'
+    with served(tmp_path, before=("sh", "-c", few)) as (_, url), ExitStack() as silent:
+        at = ("127.0.0.1", int(url.rsplit(":", 1)[1]))
+        for _ in range(300):
+            one = silent.enter_context(socket.create_connection(at))
+            with suppress(ConnectionError):  # it has made room already
+                one.sendall(b"GET /api/v1/health HTTP/1.1\r\nHost:")
+        for _ in range(20):
+            assert httpx.post(f"{url}/api/v1/console/stop", timeout=30.0).status_code == 200
+        assert httpx.get(f"{url}/api/v1/health", timeout=30.0).json()["ok"]
+
+
+def test_a_driver_that_reads_nothing_loses_its_place(tmp_path: Path) -> None:
+    with served(tmp_path) as (_, url):
+        port = int(url.rsplit(":", 1)[1])
+        with socket.create_connection(("127.0.0.1", port)) as stuck:
+            stuck.sendall(
+                f"GET /drive HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nConnection: Upgrade\r\n"
+                f"Upgrade: websocket\r\nOrigin: {url}\r\nSec-WebSocket-Version: 13\r\n"
+                "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n".encode()
+            )
+            stuck.settimeout(20.0)
+            assert stuck.recv(12) == b"HTTP/1.1 101"
+            time.sleep(6.0)  # in which it answers no ping
+            assert httpx.get(f"{url}/api/v1/health", timeout=30.0).json()["drivers"] == 0
+
+
+def test_a_flood_ends_soon_after_its_close_code(tmp_path: Path) -> None:
+    with served(tmp_path) as (_, url):
+        address = url.replace("http", "ws") + "/drive"
+        with connect(address, origin=url) as flood:  # type: ignore[arg-type]
+            begun = time.monotonic()
+            with pytest.raises((ConnectionClosed, OSError)):
+                while time.monotonic() - begun < 10.0:
+                    flood.send('{"type": "ping", "sent_ms": 1}')
+            assert time.monotonic() - begun < 5.0
+
+
+def test_it_starts_in_the_world_last_loaded_unless_one_is_asked_for(tmp_path: Path) -> None:
+    assert first_world(ServeOptions(data=tmp_path)).scenario.name == FIRST_SCENARIO
+    KeptWorld(tmp_path / WORLD)._write('{"name": "river"}')
+    assert first_world(ServeOptions(data=tmp_path)).scenario.name == "river"
+    assert first_world(ServeOptions(data=tmp_path, scenario="flat")).scenario.name == "flat"
 
 
 def test_a_port_in_use_is_one_clear_line_and_exit_2(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from walking_console.planner.types import TICK
 from walking_console.server.pacing import (
     ADVANCE_PER_TICK,
     RATE_MAX,
+    RATE_MIN,
     SHOWN_KEPT,
     Lateness,
     Pace,
@@ -20,6 +21,24 @@ def test_while_it_walks_the_rate_is_due() -> None:
     assert pace.ticks_due() == 1
     assert pace.set_rate(RATE_MAX) and not pace.set_rate(RATE_MAX)
     assert pace.ticks_due() == RATE_MAX
+
+
+@pytest.mark.parametrize(("rate", "ticks"), [(0.25, 10), (0.1, 4), (1.5, 60), (3.0, 120)])
+def test_below_and_between_whole_rates_the_ticks_come_out_over_time(
+    rate: float, ticks: int
+) -> None:
+    pace = Pace()
+    pace.set_rate(rate)
+    due = [pace.ticks_due() for _ in range(40)]
+    assert abs(sum(due) - ticks) <= 1 and max(due) - min(due) <= 1
+
+
+@pytest.mark.parametrize("rate", [0.0, -1.0, RATE_MIN / 2, RATE_MAX + 1, math.nan])
+def test_no_other_rate_is_taken(rate: float) -> None:
+    pace = Pace()
+    with pytest.raises(ValueError, match="rate must be 0.1 to 8"):
+        pace.set_rate(rate)
+    assert pace.rate == 1.0
 
 
 def test_paused_it_owes_exactly_what_was_asked_for_and_pays_in_parts() -> None:

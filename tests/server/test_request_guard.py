@@ -11,8 +11,8 @@ from starlette.testclient import WebSocketDenialResponse
 from tests.server.problem_json import problem_of
 from walking_console.server.api.app import create_app
 from walking_console.server.launch import app_settings
+from walking_console.server.limits import BODY_MAX
 from walking_console.server.realtime_loop import RealtimeLoop
-from walking_console.server.request_guard import BODY_MAX
 from walking_console.server.serve_options import ServeOptions
 
 HERE = "http://127.0.0.1:8000"
@@ -90,6 +90,31 @@ def test_without_an_origin_the_browser_s_own_word_counts(
     assert (
         client.post("/api/v1/console/stop", headers={"sec-fetch-site": site}).status_code == status
     )
+
+
+@pytest.mark.parametrize(
+    "body", [b'{"scenario": ' + b"[" * 50_000, b'{"x": ' + b"1" * 50_000 + b"}"]
+)
+def test_json_that_no_reader_should_bear_is_refused_before_it_is_read(
+    client: TestClient, body: bytes
+) -> None:
+    kind = {"content-type": "application/json"}
+    for method, path in (("PUT", "console/scenario"), ("PUT", "console/command"), ("POST", "runs")):
+        problem_of(client.request(method, f"/api/v1/{path}", content=body, headers=kind), 422)
+
+
+@pytest.mark.parametrize("path", ["/api/v1/runs", "/api/v1/runs/flat-0001/replay.html"])
+def test_no_foreign_page_makes_the_interface_work_for_it(client: TestClient, path: str) -> None:
+    for site in ("cross-site", "same-site"):
+        problem_of(client.get(path, headers={"sec-fetch-site": site}), 403)
+    problem_of(client.get(path, headers={"origin": "http://evil.example"}), 403)
+
+
+def test_a_person_may_follow_a_link_to_the_interface_and_to_the_page(client: TestClient) -> None:
+    followed = {"sec-fetch-site": "cross-site", "sec-fetch-mode": "navigate"}
+    clicked = {**followed, "sec-fetch-user": "?1"}
+    assert client.get("/api/v1/runs", headers=clicked).status_code == 200
+    assert client.get("/", headers=followed).status_code == 200
 
 
 def test_our_own_page_may(client: TestClient) -> None:

@@ -3,10 +3,9 @@
 import pytest
 
 from walking_console.server.lease_reasons import LeaseReason, LeaseRefusal
+from walking_console.server.limits import DRIVE_BURST, DRIVE_BURST_AFTER_SILENCE
 from walking_console.server.schemas import PostureFrame
 from walking_console.server.sessions import (
-    FRAME_BURST,
-    FRAME_BURST_AFTER_SILENCE,
     Session,
     TooFast,
 )
@@ -22,7 +21,7 @@ def frames_until_too_fast(session: Session, now: float) -> int:
 
 
 def test_a_flood_is_cut_after_its_burst() -> None:
-    assert frames_until_too_fast(Session("a"), now=0.0) == FRAME_BURST
+    assert frames_until_too_fast(Session("a"), now=0.0) == DRIVE_BURST
 
 
 def test_a_stick_at_thirty_a_second_is_never_cut() -> None:
@@ -35,7 +34,7 @@ def test_a_stick_at_thirty_a_second_is_never_cut() -> None:
 @pytest.mark.parametrize("silence", [1.0, 5.0, 3600.0])
 def test_after_a_silence_what_was_held_back_may_come_at_once(silence: float) -> None:
     allowed = frames_until_too_fast(Session("a"), now=silence)
-    assert allowed == min(max(FRAME_BURST, silence * 100.0), FRAME_BURST_AFTER_SILENCE)
+    assert allowed == min(max(DRIVE_BURST, silence * 100.0), DRIVE_BURST_AFTER_SILENCE)
 
 
 def picture(seq: int) -> PostureFrame:

@@ -12,7 +12,7 @@ from fastapi.testclient import TestClient
 
 from tests.server.problem_json import problem_of
 from walking_console.server import uploads as uploads_module
-from walking_console.server.request_guard import BODY_MAX
+from walking_console.server.limits import BODY_MAX
 from walking_console.server.uploads import UploadRefused, Uploads
 
 FIXTURES = Path(__file__).parents[1] / "fixtures"

@@ -4,7 +4,8 @@ import signal
 from typing import Any
 
 from walking_console.server import uvicorn_server
-from walking_console.server.uvicorn_server import SOCKET_FRAME_MAX, ConsoleServer, config_for
+from walking_console.server.limits import SOCKET_FRAME_MAX
+from walking_console.server.uvicorn_server import ConsoleServer, config_for
 
 
 def test_no_frame_is_compressed_and_none_is_large() -> None:

@@ -13,9 +13,8 @@ from fastapi.testclient import TestClient
 from starlette.testclient import WebSocketDenialResponse
 from starlette.websockets import WebSocketDisconnect
 
+from walking_console.server.limits import CANVAS_BURST, CANVAS_FRAME_MAX
 from walking_console.server.viser_bridge import (
-    CANVAS_FRAME_MAX,
-    MESSAGE_BURST,
     SUBPROTOCOL,
     ViserBridge,
     clean_query,
@@ -208,7 +207,7 @@ def test_a_flood_and_a_text_frame_close_the_canvas(viewing: TestClient, flood: b
         f"{AT}/view", subprotocols=[SUBPROTOCOL], headers=dict(OWN)
     ) as socket:
         if flood:
-            for _ in range(int(MESSAGE_BURST * 2)):
+            for _ in range(int(CANVAS_BURST * 2)):
                 socket.send_bytes(b"\xc1")
         else:
             socket.send_text("hello")

@@ -21,6 +21,7 @@ FLAGS = (*SOFTWARE_DRAWING, "--no-sandbox", "--disable-background-networking", "
 PATIENCE = 60.0  # s; software drawing on a busy machine is slow
 POLL = 60  # ms
 
+REST = {"crab_angle_rad": 0.0, "speed_m_s": 0.0, "turn_rate_rad_s": 0.0, "ttl_s": 1.0}
 ERRORS: list[str] = []  # of the page, as they came
 # Drawing by software takes most of two cores, and what is tested is seldom the picture.
 DRAW_SELDOM = """if (window.parent !== window) {
@@ -64,13 +65,17 @@ def tell(address: str, action: str) -> None:
     ).close()
 
 
-def load(address: str, body: dict[str, Any]) -> None:
+def put(address: str, what: str, body: dict[str, Any]) -> None:
     words = json.dumps(body).encode()
     headers = {"content-type": "application/json", **holder(address)}
     urllib.request.urlopen(
-        urllib.request.Request(f"{address}/api/v1/console/scenario", words, headers, method="PUT"),
+        urllib.request.Request(f"{address}/api/v1/console/{what}", words, headers, method="PUT"),
         timeout=30,
     ).close()
+
+
+def load(address: str, body: dict[str, Any]) -> None:
+    put(address, "scenario", body)
 
 
 def begin_anew(address: str) -> None:
@@ -81,6 +86,7 @@ def begin_anew(address: str) -> None:
         tell(address, "resume")
     if left["stopped"]:
         with contextlib.suppress(urllib.error.HTTPError):  # a page still holds the lease
+            put(address, "command", REST)
             tell(address, "rearm")
 
 

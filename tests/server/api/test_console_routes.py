@@ -1,13 +1,17 @@
 """The console over HTTP: what is answered, what is refused and how the refusal reads."""
 
 import json
+from pathlib import Path
 from typing import Any
 
 import pytest
 from fastapi.testclient import TestClient
 
 from tests.server.problem_json import problem_of
+from walking_console.server.api.kept_world import KeptWorld
+from walking_console.server.api.state import WORLD
 from walking_console.server.realtime_loop import RealtimeLoop
+from walking_console.server.uploads import Uploads
 from walking_console.sim.requests import Push
 from walking_console.sim.scenario_files import scenario_from
 from walking_console.sim.world import prepare
@@ -156,7 +160,10 @@ def test_a_stop_stays_until_it_is_ended(client: TestClient, loop: RealtimeLoop) 
     )
     client.post("/api/v1/console/reset")
     assert client.get("/api/v1/console").json()["stopped"], "a reset does not end a stop"
-    client.post("/api/v1/console/rearm")
+    assert "at rest" in problem_of(client.post("/api/v1/console/rearm"), 409)["detail"]
+    rest = {**COMMAND, "speed_m_s": 0.0, "turn_rate_rad_s": 0.0}
+    assert client.put("/api/v1/console/command", json=rest).status_code == 202
+    assert client.post("/api/v1/console/rearm").status_code == 200
     assert client.put("/api/v1/console/command", json=COMMAND).status_code == 202
 
 
@@ -194,6 +201,14 @@ def test_the_rate_changes_and_shows(client: TestClient, loop: RealtimeLoop) -> N
     assert client.post("/api/v1/console/rate", json={"rate": 4}).json() == {"rate": 4}
     loop.tick()
     assert client.get("/api/v1/console").json()["rate"] == 4.0
+
+
+def test_the_world_last_loaded_is_kept_for_a_restart(client: TestClient, tmp_path: Path) -> None:
+    client.put("/api/v1/console/scenario", json={"name": "stairs-up"})
+    disk = client.app.state.console.kept_world._disk  # type: ignore[attr-defined]
+    assert disk.write(lambda: None, "").wait(10.0)
+    world = KeptWorld(tmp_path / WORLD).made(Uploads(tmp_path))
+    assert world is not None and world.scenario.name == "stairs-up"
 
 
 def test_a_scenario_is_loaded_by_name_and_inline(client: TestClient) -> None:

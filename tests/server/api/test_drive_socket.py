@@ -14,7 +14,7 @@ from starlette.websockets import WebSocketDisconnect
 
 from walking_console.planner.robot.model import load_machine
 from walking_console.server.api import drive_socket
-from walking_console.server.api.drive_socket import DRIVE_FRAME_MAX, DRIVERS_MAX
+from walking_console.server.limits import DRIVE_FRAME_MAX, DRIVERS_MAX
 from walking_console.server.realtime_loop import RealtimeLoop
 from walking_console.sim.scenario_files import load_scenario
 from walking_console.sim.world import prepare

@@ -23,7 +23,7 @@ def test_the_newest_snapshot_is_made_into_text_once_for_all_pages(state: AppStat
 
 def test_a_stop_and_a_fault_make_another_text(state: AppState) -> None:
     texts = [state.text()]
-    state.lease.stopped = True
+    state.lease.latch.set(True)
     texts.append(state.text())
     state.loop.fault = "ValueError: no"
     texts.append(state.text())

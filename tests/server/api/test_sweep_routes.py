@@ -79,7 +79,7 @@ def test_runs_and_sweeps_wait_in_one_queue_and_are_cancelled(
     cancelled = client.delete(f"/api/v1/sweeps/{sweep['id']}").json()
     assert (cancelled["state"], cancelled["reason"]) == ("interrupted", "cancelled")
     assert client.delete(f"/api/v1/runs/{runs[2]}").json()["state"] == "interrupted"
-    state.queue.stop()
+    state.jobs.queue.stop()
 
 
 @pytest.mark.parametrize(
