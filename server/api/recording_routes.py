@@ -13,7 +13,8 @@ from fastapi.responses import HTMLResponse
 from ..child_process import start_child
 from ..live_recording import EVERY, KEPT_SECONDS, put_away
 from .errors import HTTPProblem
-from .run_routes import DRAW_TIME, REPLAY_POLICY
+from .replays import DRAW_TIME
+from .run_routes import REPLAY_POLICY
 from .state import ConsoleState
 
 router = APIRouter(prefix="/api/v1/console/recording", tags=["console"])

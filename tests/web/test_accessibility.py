@@ -15,14 +15,18 @@ pytestmark = [
 ]
 
 
+@pytest.mark.parametrize("theme", ["dark", "light"])
 @pytest.mark.parametrize("size", SIZES)
-def test_axe_finds_nothing_serious(visit: Visit, size: tuple[int, int]) -> None:
+def test_axe_finds_nothing_serious(visit: Visit, size: tuple[int, int], theme: str) -> None:
     page = visit(*size, bypass_csp=True)
-    for opened in ("", "document.querySelector('#view-button').click()", "help"):
-        if opened == "help":
-            page.keyboard.press("?")
-        elif opened:
-            page.evaluate(opened)
+    if theme == "light":
+        page.locator("#light-theme").evaluate("box => box.click()")
+    assert page.evaluate("document.documentElement.dataset.theme") == theme
+    for key in ("", "v", "o", "?"):  # the page itself, its menu, its dialogs
+        if key == "?":
+            page.keyboard.press("Escape")  # closes the dialog before
+        if key:
+            page.keyboard.press(key)
         page.evaluate(AXE.read_text("utf-8"))
         found = page.evaluate("axe.run(document, {iframes: false})")
         bad = [

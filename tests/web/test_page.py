@@ -4,7 +4,10 @@ import re
 from pathlib import Path
 
 import pytest
+from PIL import Image
 
+from tests.web.scenario_cards import SIZE
+from walking_console.sim.scenario_files import scenario_names
 from walking_console.web.scene import palette
 
 PAGE = Path(__file__).resolve().parents[2] / "web" / "page"
@@ -29,6 +32,20 @@ def test_every_element_a_script_asks_for_is_on_the_page(script: Path) -> None:
     asked = r"\b(?:element|div|button|input|write|restyle)\(\s*\"([\w-]+)\""
     for name in re.findall(asked, script.read_text("utf-8")):
         assert f'id="{name}"' in INDEX, name
+
+
+def test_every_shipped_scenario_has_a_small_picture_on_its_card_and_no_other_has_one() -> None:
+    cards = {card.stem: card for card in (PAGE / "cards").iterdir()}
+    assert sorted(cards) == sorted(scenario_names())
+    for card in cards.values():
+        with Image.open(card) as picture:
+            assert picture.size == SIZE and card.stat().st_size < 32_000
+
+
+def test_the_cards_that_come_first_are_of_shipped_scenarios() -> None:
+    gallery = (PAGE / "gallery.js").read_text("utf-8")
+    best = re.findall(r'"([\w-]+)"', re.findall(r"BEST = \[(.*)\]", gallery)[0])
+    assert len(best) == 6 and set(best) <= set(scenario_names())
 
 
 def test_every_script_is_used() -> None:

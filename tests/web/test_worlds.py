@@ -59,6 +59,34 @@ def test_a_page_opens_on_a_machine_that_walks_and_the_first_touch_takes_over(
     assert not now(address)["playing"]
 
 
+def test_a_card_plays_its_scenario_and_another_is_driven_by_hand(
+    address: str, visit: Visit
+) -> None:
+    page = visit()
+    page.keyboard.press("o")
+    pictures = "[...document.querySelectorAll('#cards img')].slice(0, 6)"
+    until(page, lambda: bool(page.evaluate(f"{pictures}.every(one => one.naturalWidth === 320)")))
+    page.get_by_role("button", name="Play: circle", exact=True).click()
+    until(page, lambda: now(address)["playing"] and now(address)["walked_m_s"] > 0.0)
+    assert now(address)["scenario"] == "circle" and not page.locator("#gallery").is_visible()
+    page.click("#gallery-button")
+    page.get_by_role("button", name="Drive it yourself: k-sideways", exact=True).click()
+    until(page, lambda: now(address)["scenario"] == "k-sideways")
+    assert not now(address)["playing"] and not now(address)["given_trace"]
+    drag_until(page, 0.0, 1.0, lambda: now(address)["distance_m"] > 0.01)
+    page.mouse.up()
+
+
+def test_in_slow_motion_it_walks_as_far_in_four_times_the_time(address: str, page: Page) -> None:
+    page.click("[data-rate='0.25']")
+    until(page, lambda: page.locator("[data-rate='0.25'][aria-checked=true]").count() == 1)
+    began = now(address)["time_s"]
+    page.wait_for_timeout(2000)
+    assert 0.2 < now(address)["time_s"] - began < 1.5
+    page.click("[data-rate='1']")
+    until(page, lambda: now(address)["rate"] == 1.0)
+
+
 def test_arrow_keys_move_a_focused_slider_and_nothing_else(address: str, page: Page) -> None:
     slider = page.locator("#top-speed-slider")
     before = float(slider.input_value())

@@ -201,6 +201,7 @@ export interface Saved {
   repeats?: boolean; // held keys repeat here
   speed?: string;
   strips?: boolean;
+  light?: boolean;
   tab?: string;
   brush?: string;
   decision?: boolean;

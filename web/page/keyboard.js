@@ -3,7 +3,6 @@
 
 /** @import {Joystick} from "./joystick.js" */
 
-import { element } from "./dom.js";
 import { isDrivingKey } from "./joystick.js";
 
 const FIELDS = "select, textarea, input:not([type=checkbox]):not([type=range])";
@@ -35,13 +34,12 @@ const isSliding = ({ target, key }) =>
  * @param {Keys} keys
  */
 export function listenToKeys(stick, keys) {
-  const help = element("help", HTMLDialogElement);
   // before any other rule, and before anything else hears of it: lists, dialogs, buttons
   window.addEventListener("keydown", (event) => stopKey(keys, event), true);
   document.addEventListener("keydown", (event) => {
     if (OPENS_MENUS.test(event.code)) stick.liftKeys();
     if (event.ctrlKey || event.metaKey || event.altKey) return;
-    if (help.open || isField(event.target) || isSliding(event)) return;
+    if (document.querySelector("dialog[open]") || isField(event.target) || isSliding(event)) return;
     if (switched(event) || press(stick, keys, event)) event.preventDefault();
   });
   document.addEventListener("keyup", (event) => {

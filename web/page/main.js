@@ -177,6 +177,7 @@ const SHORTCUTS = {
   Period: () => world.advance(),
   Backspace: () => world.reset(),
   KeyR: () => lease.stopped && stopOrRelease(),
+  KeyO: () => world.gallery.open(),
   KeyC: () => scene.home(),
   KeyV: () => viewMenu.toggle(),
   KeyB: () => brushes.toggle(),
@@ -246,7 +247,7 @@ function hearHello(frame) {
   ours = frame.lease_id;
   goBy(ours);
   takeStyle(frame.style);
-  if (greeted && greeted !== frame.started) say("The console was restarted: its world is new.");
+  if (greeted && greeted !== frame.started) say("The console was restarted: the machine stands at the start.");
   greeted = frame.started;
 }
 

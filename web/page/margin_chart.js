@@ -5,7 +5,6 @@ import { css } from "./dom.js";
 
 /** @import {Sample} from "./time_series.js" */
 
-const GRID = { stroke: "rgba(255,255,255,0.07)", width: 1 };
 const LEAST_TOP = 60; // mm the axis reaches up to at least
 
 export class MarginChart {
@@ -13,6 +12,13 @@ export class MarginChart {
   constructor(box) {
     this.box = box;
     /** @type {uPlot | null} */
+    this.plot = null;
+    window.addEventListener("restyled", () => this.#makeAnew());
+  }
+
+  /** In the colours of another theme, with what comes next. */
+  #makeAnew() {
+    this.plot?.destroy();
     this.plot = null;
   }
 
@@ -47,7 +53,7 @@ export class MarginChart {
 }
 
 function appearance() {
-  const axis = { stroke: css("--muted"), grid: GRID, ticks: { show: false }, font: SMALL_TYPE };
+  const axis = { stroke: css("--muted"), grid: { stroke: css("--edge"), width: 1 }, ticks: { show: false }, font: SMALL_TYPE };
   const line = { width: 1.6, points: { show: false } };
   return {
     cursor: { show: false },

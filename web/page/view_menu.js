@@ -7,7 +7,7 @@ import { button, div, input } from "./dom.js";
 import { onPress } from "./press.js";
 import { keep, saved } from "./settings.js";
 
-const WIDE = 700; // px from which on the strips are shown at first
+const ROOMY = "(min-width: 700px) and (min-height: 521px)"; // where the strips are shown at first
 
 export class ViewMenu {
   /**
@@ -26,6 +26,7 @@ export class ViewMenu {
       if (box instanceof HTMLInputElement) this.#wireLayer(box);
     }
     this.#wireStrips();
+    this.#wireTheme();
   }
 
   get isOpen() {
@@ -57,9 +58,24 @@ export class ViewMenu {
     });
   }
 
+  #wireTheme() {
+    const light = input("light-theme");
+    light.checked = saved.light ?? false;
+    const show = () => {
+      document.documentElement.dataset.theme = light.checked ? "light" : "dark";
+      this.scene.set("Light", light.checked);
+      window.dispatchEvent(new Event("restyled"));
+    };
+    light.addEventListener("change", () => {
+      show();
+      keep({ light: light.checked });
+    });
+    show();
+  }
+
   #wireStrips() {
     const strips = input("show-strips");
-    strips.checked = saved.strips ?? window.innerWidth > WIDE;
+    strips.checked = saved.strips ?? matchMedia(ROOMY).matches;
     const show = () => {
       document.body.classList.toggle("no-strips", !strips.checked);
       this.series.visible = strips.checked;

@@ -4,6 +4,7 @@
 
 import { ask, order } from "./api.js";
 import { button, buttons, div, element, make, mark, write } from "./dom.js";
+import { Gallery } from "./gallery.js";
 import { onPress } from "./press.js";
 import { say } from "./status.js";
 
@@ -13,6 +14,7 @@ export class WorldControls {
   /** @param {() => void} letGo called before another world is loaded */
   constructor(letGo) {
     this.letGo = letGo;
+    this.gallery = new Gallery(letGo, (name, plays) => this.#begin(name, plays));
     this.scenario = element("scenario", HTMLSelectElement);
     this.robot = element("robot", HTMLSelectElement);
     this.mode = element("planner-mode", HTMLSelectElement);
@@ -80,9 +82,18 @@ export class WorldControls {
     this.loading = true;
     this.letGo();
     document.body.classList.add("loading");
-    await order(say, "PUT", "console/scenario", world);
+    const loaded = await order(say, "PUT", "console/scenario", world);
     document.body.classList.remove("loading");
     this.loading = false;
+    return loaded;
+  }
+
+  /**
+   * @param {string} name
+   * @param {boolean} plays by itself, or stands and waits for the stick
+   */
+  async #begin(name, plays) {
+    if ((await this.#load({ name, free_stick: !plays })) && plays) this.play();
   }
 
   /** Ask for all there is to choose from. */
@@ -90,6 +101,7 @@ export class WorldControls {
     try {
       const [scenarios, robots] = await Promise.all([ask("GET", "scenarios"), ask("GET", "robots")]);
       fill(this.scenario, scenarios, (one) => one.name);
+      this.gallery.fill(scenarios);
       fill(this.robot, robots, (one) => `${one.name} · ${one.legs} legs`);
       if (this.newest) this.#choose(this.newest);
     } catch (error) {

@@ -21,7 +21,7 @@ from walking_console.planner.types import Command, Point
 from walking_console.sim.snapshot import Snapshot
 
 from .draped_mesh import EDGE_LIFT, LIFT, VERTICES, drape, draped_faces
-from .palette import BAD, GOOD, PATH, RGB, WARN, for_scene, margin_share
+from .palette import BAD, GOOD, PATH, RGB, WARN, for_scene, leg_names, margin_share
 from .solids import circle, disc
 from .terrain_tiles import TerrainTiles
 from .types import Change, Floats, Indices, Segments
@@ -42,6 +42,7 @@ SHADOW_RINGS = 5
 SHADOW_CORNERS = 24
 SUN = np.array((0.12, -0.12))  # m the torso's shadow lies off, away from the sun
 FLAT: dict[str, Any] = {"side": "double", "cast_shadow": False, "receive_shadow": False}
+NAME_SCALE = 0.8  # of viser's letters; larger: they hide the feet
 NOTHING = np.zeros((1, 2, 3))  # line segments that show nothing
 
 
@@ -179,6 +180,25 @@ class ReachOverlay(Overlay):
         if self._is_new("strokes", round(crab_angle, 3)):
             changes.append((self.strokes, "points", stroke_lines(self.machine, crab_angle)))
         return changes
+
+
+class NamesOverlay(Overlay):
+    """The short name of every leg beside its foot, as page and charts call it."""
+
+    def __init__(self, server: viser.ViserServer, machine: Machine) -> None:
+        super().__init__()
+        self.lift = 3.0 * machine.foot_radius
+        self.handles = [
+            server.scene.add_label(
+                f"/world/names/{leg}", name, font_screen_scale=NAME_SCALE, anchor="bottom-center"
+            )
+            for leg, name in enumerate(leg_names(machine.legs), 1)
+        ]
+
+    def changes(self, snapshot: Snapshot, terrain: TerrainTiles) -> list[Change]:
+        """Everything that differs from the frame before."""
+        places = [(x, y, z + self.lift) for x, y, z in snapshot.feet]
+        return [(label, "position", at) for label, at in zip(self.handles, places, strict=True)]
 
 
 class ShadowOverlay(Overlay):

@@ -11,14 +11,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-import numpy as np
 import viser
-from numpy.typing import NDArray
 
 from walking_console.planner.robot.model import Machine
 from walking_console.sim.snapshot import Snapshot
 
 from .overlays import (
+    NamesOverlay,
     Overlay,
     OverlayMaker,
     PathOverlay,
@@ -29,6 +28,7 @@ from .overlays import (
 from .plan_overlays import PreviewOverlay, StepOverlay
 from .robot import RobotNode
 from .robot_shapes import RobotShapes
+from .sky import DUSK, hang
 from .terrain_tiles import TerrainTiles
 from .trails import Trails
 from .types import Change, Floats
@@ -41,14 +41,10 @@ OVERLAYS: tuple[OverlayMaker, ...] = (
     PreviewOverlay,
     ShadowOverlay,
     ReachOverlay,
+    NamesOverlay,
 )
 JUMP = 5.0  # s between two snapshots from which on they are of different runs
 VIEW_ANGLE = math.radians(50.0)
-SKY = ((0.050, 0.066, 0.098), (0.290, 0.335, 0.385), (0.150, 0.175, 0.210))  # top, horizon, below
-HORIZON = 0.42  # share of the picture above the horizon
-FOG = (46, 55, 66)
-FOG_FROM = 7.0  # m
-FOG_TO = 26.0  # m
 
 Paint = Callable[[str, float, float, float], None]  # brush, x m, y m, radius m
 
@@ -118,7 +114,9 @@ class Scene:
             viewer.look_at_machine(_size(machine))
 
     def _welcome(self, client: viser.ClientHandle) -> None:
-        viewer = self._viewers[client.client_id] = Viewer(client, self._paint)
+        viewer = self._viewers[client.client_id] = Viewer(
+            client, self._paint, self.terrain.floor_at
+        )
         if self._machine is not None:
             viewer.look_at_machine(_size(self._machine))
 
@@ -146,8 +144,7 @@ def _set_stage(server: viser.ViserServer) -> viser.FrameHandle:
     for folder in LAYERS.values():
         scene.add_frame(f"/world/{folder}", show_axes=False)
     _light(scene)
-    scene.configure_fog(FOG_FROM, FOG_TO, color=FOG)
-    scene.set_background_image(sky(), format="png")
+    hang(scene, DUSK)
     server.gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False)
     camera = server.initial_camera
     camera.position = tuple(CAMERA)
@@ -169,12 +166,3 @@ def _light(scene: viser.SceneApi) -> None:
     above = (200, 215, 235)
     below = (96, 90, 82)
     scene.add_light_hemisphere("/sky", sky_color=above, ground_color=below, intensity=2.0)
-
-
-def sky() -> NDArray[np.uint8]:
-    """A dusk-blue gradient behind everything, lightest at the horizon: (256, 4, 3)."""
-    down = np.linspace(0.0, 1.0, 256)
-    stops = (0.0, HORIZON, 1.0)
-    channels = [np.interp(down, stops, channel) for channel in zip(*SKY, strict=True)]
-    colour = np.stack(channels, axis=1)
-    return np.asarray(np.rint(np.repeat(colour[:, None], 4, axis=1) * 255), dtype=np.uint8)

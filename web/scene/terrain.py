@@ -71,10 +71,17 @@ class Tile:
 
 
 class TerrainMesh:
-    """One map, ready to be cut into tiles. Heights in m (ny, nx), NaN is a hole."""
+    """One map, ready to be cut into tiles. Heights in m (ny, nx), NaN is a hole. ``relief`` is from
+    which height to which its colours go, m; its own where none is given.
+    """
 
     def __init__(
-        self, heights: Floats, forbidden: Bools, cell: float, origin: tuple[float, float]
+        self,
+        heights: Floats,
+        forbidden: Bools,
+        cell: float,
+        origin: tuple[float, float],
+        relief: tuple[float, float] | None = None,
     ) -> None:
         self.heights = heights
         self.forbidden = forbidden
@@ -82,7 +89,8 @@ class TerrainMesh:
         self.origin = origin
         solid = heights[np.isfinite(heights)]
         self.low = float(solid.min()) if solid.size else 0.0
-        self.high = float(solid.max()) if solid.size else 0.0
+        high = float(solid.max()) if solid.size else 0.0
+        self.relief = relief or (self.low, high)
         self.stepped = is_stepped(heights)
         self.scale = self._pixels_a_cell()
         self._stride = max(1, -(-max(heights.shape) // QUADS_MAX))
@@ -113,7 +121,7 @@ class TerrainMesh:
         """A hash over all that the picture and the shape of a tile depend on."""
         around = window.grown(AROUND).cells
         cells = (self.heights[around].tobytes(), self.forbidden[around].tobytes())
-        relief = (round(self.low, 3), round(self.high, 3))
+        relief = tuple(round(height, 3) for height in (self.low, *self.relief))
         place = (self.cell, self.origin, self.stepped, self.scale, window.r0, window.c0)
         return hash((cells, relief, place))
 
@@ -146,8 +154,9 @@ class TerrainMesh:
 
     def _shaded(self, heights: Floats) -> Floats:
         shade = hill_shade(heights, self.cell, self.stepped)
-        colour = height_colours(heights, self.low, self.high) * shade[..., None]
-        if not self.stepped and self.high - self.low > CONTOUR:
+        low, high = self.relief
+        colour = height_colours(heights, low, high) * shade[..., None]
+        if not self.stepped and high - low > CONTOUR:
             colour *= (1.0 - 0.16 * contours(heights, self.cell))[..., None]
         return colour
 
@@ -206,7 +215,7 @@ class TerrainMesh:
         table = np.array(walls, dtype=np.float64).reshape(-1, 6)
         x, y = self._xy(table[:, [0, 2, 2, 0]].ravel(), table[:, [1, 3, 3, 1]].ravel())
         z = table[:, [4, 4, 5, 5]].ravel()
-        top = 0.55 * height_colours(table[:, 5], self.low, self.high)
+        top = 0.55 * height_colours(table[:, 5], *self.relief)
         depth = np.clip((table[:, 5] - table[:, 4]) / PIT, 0.0, 1.0)[:, None]
         bottom = top * (1.0 - depth) * 0.8 + ABYSS * depth
         shades = np.ones((len(z), 4))

@@ -73,10 +73,11 @@ COLOURS = _ramp()  # (256, 3) sRGB
 def height_colours(heights: Floats, low: float, high: float) -> Floats:
     """sRGB 0-1 (..., 3) of heights on a map that reaches from ``low`` to ``high``, m."""
     if high <= low:
-        share = np.full(heights.shape, LEVEL_SHARE)
+        share = LEVEL_SHARE + (heights - low) / SPAN_MIN
     else:
         span = max(high - low, SPAN_MIN)
-        share = np.clip(0.5 + (heights - (high + low) / 2) / span, 0.0, 1.0)
+        share = 0.5 + (heights - (high + low) / 2) / span
+    share = np.clip(share, 0.0, 1.0)
     return np.asarray(COLOURS[(share * 255).astype(np.uint8)], dtype=np.float64)
 
 

@@ -17,6 +17,7 @@ XY = tuple[float, float]
 
 RAY_STEP = 0.02  # m along a click's ray between looks at the ground
 RAY_MAX = 40.0  # m
+EDITED_MOST = 0.2  # share of a map's cells; more: another world, with colours of its own
 
 
 class TerrainTiles:
@@ -27,12 +28,15 @@ class TerrainTiles:
         self.view: TerrainView | None = None
         self.tiles: dict[str, tuple[Tile, viser.GlbHandle]] = {}
         self.floor: viser.GlbHandle | None = None
+        self._relief: tuple[float, float] | None = None  # of this world when it was new
 
     def draw(self, view: TerrainView) -> None:
         """Show this ground: nothing is sent where it is the same as before."""
         if self.view is not None and _same_ground(view, self.view):
             return
-        mesh = TerrainMesh(view.heights, view.forbidden, view.cell, view.origin)
+        relief = self._relief if self.view is not None and _is_edit_of(self.view, view) else None
+        mesh = TerrainMesh(view.heights, view.forbidden, view.cell, view.origin, relief)
+        self._relief = mesh.relief
         wanted = mesh.tiles()
         fresh = [(tile, mesh.draw(tile)) for tile in wanted if self._differs(tile)]
         with self.server.atomic():
@@ -81,6 +85,14 @@ class TerrainTiles:
         height = float(view.heights[row, column])
         return otherwise if math.isnan(height) else height
 
+    def floor_at(self, x: float, y: float) -> float:
+        """Ground height under a point, m; the lowest ground over holes and outside, and nothing at
+        all before there is any.
+        """
+        if self.view is None or not np.isfinite(self.view.heights).any():
+            return -math.inf
+        return self.height(x, y, float(np.nanmin(self.view.heights)))
+
     def heights(self, points: Floats, otherwise: float) -> Floats:
         """Ground heights under many points (n, 2), m; ``otherwise`` over holes and outside."""
         view = self.view
@@ -115,6 +127,15 @@ def _is_on(view: TerrainView, x: float, y: float) -> bool:
     inside_x = bool(0.0 <= x - view.origin[0] < columns * view.cell)
     inside_y = bool(0.0 <= y - view.origin[1] < rows * view.cell)
     return inside_x and inside_y
+
+
+def _is_edit_of(old: TerrainView, new: TerrainView) -> bool:
+    """Whether this is the same map, but for a few cells: its colours stay."""
+    places = (old.cell, old.origin, old.heights.shape), (new.cell, new.origin, new.heights.shape)
+    if places[0] != places[1]:
+        return False
+    same = (old.heights == new.heights) | (np.isnan(old.heights) & np.isnan(new.heights))
+    return float(np.mean(~same)) < EDITED_MOST
 
 
 def _same_ground(a: TerrainView, b: TerrainView) -> bool:

@@ -13,6 +13,7 @@ import viser
 
 from walking_console.planner.types import Point
 
+from .sky import DAY, DUSK, hang
 from .types import Floats
 
 # m, where the camera is and looks at first, from the machine's centre of gravity
@@ -31,21 +32,26 @@ LAYERS = {  # label of the switch: folder under /world
     "Path": "path",
     "Preview": "preview",
     "Reach": "reach",
+    "Names": "names",
 }
 HIDDEN_AT_FIRST = ("Reach",)
 BRUSHES = ("dig", "raise", "lower", "forbid", "clear")
 BRUSH = 0.12  # m, radius
 WIDE_BRUSH = 0.35  # m
 
+CLEARANCE = 0.15  # m the camera stays above the ground; less: its near edge cuts through slopes
+
+GroundAt = Callable[[float, float], float]  # height of the ground under x, y in the world, m
 PaintRay = Callable[[str, Floats, Floats, float], None]  # brush, ray origin, ray direction, radius
 
 
 class Viewer:
     """One client of the scene, with switches and nodes of its own."""
 
-    def __init__(self, client: viser.ClientHandle, paint: PaintRay) -> None:
+    def __init__(self, client: viser.ClientHandle, paint: PaintRay, ground_at: GroundAt) -> None:
         self.client = client
         self.paint = paint
+        self.ground_at = ground_at
         self.brush = ""
         self.radius = BRUSH
         self.follows = True
@@ -55,6 +61,7 @@ class Viewer:
         if client.camera.aspect < 1.0:
             self.go_home()  # an upright phone sees less to the sides
         self._add_switches()
+        client.camera.on_update(lambda _: self.rise_above_ground())
 
     def _add_switches(self) -> None:
         gui = self.client.gui
@@ -66,11 +73,15 @@ class Viewer:
                 self._show(label, False)
         for brush in BRUSHES:
             gui.add_checkbox(f"Paint {brush}", False).on_update(self._brush_switch(brush))
+        gui.add_checkbox("Light", False).on_update(self._change_sky)
         gui.add_checkbox("Wide brush", False).on_update(self._widen)
         gui.add_button("Home").on_click(lambda _: self.go_home())
 
     def _follow(self, event: Any) -> None:
         self.follows = bool(event.target.value)
+
+    def _change_sky(self, event: Any) -> None:
+        hang(self.client.scene, DAY if event.target.value else DUSK)
 
     def _layer_switch(self, label: str) -> Callable[[Any], None]:
         return lambda event: self._show(label, bool(event.target.value))
@@ -120,6 +131,18 @@ class Viewer:
         if abs(scale - self.scale) > 0.01:
             self.scale = scale
             self.go_home()
+
+    def rise_above_ground(self) -> None:
+        """Lift a camera that was dragged under the ground; what it looks at stays."""
+        camera = self.client.camera
+        x, y, z = (float(value) for value in camera.position)
+        east, north, up = (float(value) for value in self.world.position)
+        lowest = self.ground_at(x - east, y - north) + up + CLEARANCE
+        if z < lowest:
+            looked_at = camera.look_at
+            with self.client.atomic():
+                camera.position = (x, y, lowest)
+                camera.look_at = looked_at
 
     def move(self, position: Point) -> None:
         """Move the world under a camera that follows."""

@@ -17,6 +17,7 @@ from walking_console.web.scene.overlays import (
     PATH_PIECES,
     SHADOW_CORNERS,
     SUN,
+    NamesOverlay,
     PathOverlay,
     ReachOverlay,
     ShadowOverlay,
@@ -28,7 +29,7 @@ from walking_console.web.scene.overlays import (
     rotated,
     stroke_lines,
 )
-from walking_console.web.scene.palette import BAD, GOOD, MARGIN_GOOD, WARN, for_scene
+from walking_console.web.scene.palette import BAD, GOOD, MARGIN_GOOD, WARN, for_scene, leg_names
 from walking_console.web.scene.terrain_tiles import TerrainTiles
 
 YAW_LENGTH = 0.65  # m
@@ -73,6 +74,20 @@ def test_the_path_is_shown_while_something_is_commanded(
     assert shown["visible"] is True and len(shown["points"]) == PATH_PIECES + 2
     assert overlay.changes(driven, terrain) == []
     assert overlay.changes(standing(), terrain) == [(overlay.line, "visible", False)]
+
+
+@pytest.mark.parametrize("machine", ["titan3", "hexapod"])
+def test_every_foot_carries_its_leg_s_name_above_it(
+    server: viser.ViserServer, terrain: TerrainTiles, machine: str
+) -> None:
+    standing_so = standing(machine)
+    overlay = NamesOverlay(server, standing_so.machine)
+    assert [label.text for label in overlay.handles] == list(leg_names(standing_so.machine.legs))
+    for (label, name, place), foot in zip(
+        overlay.changes(standing_so, terrain), standing_so.feet, strict=True
+    ):
+        assert name == "position" and place[:2] == foot[:2] and place[2] > foot[2]
+        assert label in overlay.handles
 
 
 def test_stroke_lines_are_as_long_as_the_stroke() -> None:

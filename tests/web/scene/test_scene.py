@@ -9,7 +9,7 @@ import viser
 
 from tests.web.scene.snapshots import level, preview, standing, stepping
 from walking_console.planner.types import Command, Mode
-from walking_console.web.scene.scene import SKY, Scene, sky
+from walking_console.web.scene.scene import Scene
 
 
 @pytest.fixture
@@ -99,9 +99,3 @@ def test_a_click_with_a_brush_is_passed_on_as_a_place_on_the_ground(scene: Scene
     scene._paint("dig", above, np.array((0.0, 0.0, 1.0)), 0.12)  # into the sky
     assert [(brush, radius) for brush, _, _, radius in touched] == [("dig", 0.12)]
     assert touched[0][1:3] == pytest.approx((1.0, 0.5), abs=0.02)
-
-
-def test_the_sky_is_lightest_at_the_horizon() -> None:
-    light = sky().sum(axis=2)[:, 0]
-    assert int(np.argmax(light)) == pytest.approx(0.42 * 255, abs=2)
-    assert sky()[0, 0] == pytest.approx(np.array(SKY[0]) * 255, abs=1)

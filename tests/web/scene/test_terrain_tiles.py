@@ -40,6 +40,19 @@ def test_an_edited_patch_sends_one_tile(tiles: TerrainTiles) -> None:
     assert all(after[n][1] is before[n][1] for n in after)
 
 
+def test_an_edit_leaves_the_colours_of_all_other_ground(tiles: TerrainTiles) -> None:
+    view = with_hole()
+    hills = np.random.default_rng(1).uniform(0.0, 0.3, view.heights.shape)
+    tiles.draw(replace(view, heights=hills))
+    before = dict(tiles.tiles)
+    raised = hills.copy()
+    raised[30:34, 30:34] += 3.0
+    tiles.draw(replace(view, revision=3, heights=raised))
+    assert [n for n in before if tiles.tiles[n][0].key != before[n][0].key] == ["1_1"]
+    tiles.draw(replace(view, revision=4, heights=hills + 1.0))
+    assert tiles._relief == pytest.approx((hills.min() + 1.0, hills.max() + 1.0))
+
+
 def test_the_same_ground_is_not_drawn_again(tiles: TerrainTiles) -> None:
     view = level()
     tiles.draw(view)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import viser
 
+from walking_console.web.scene.sky import DAY, DUSK, Sky
 from walking_console.web.scene.viewer import (
     BRUSH,
     BRUSHES,
@@ -28,7 +29,10 @@ class Client:
         self.scene = server.scene
         self.gui = server.gui
         self.atomic = server.atomic
-        self.camera = SimpleNamespace(aspect=aspect, position=None, look_at=None, up_direction=None)
+        self.camera = SimpleNamespace(
+            aspect=aspect, position=None, look_at=None, up_direction=None, on_update=self._on_update
+        )
+        self.updates: list[Any] = []
         self.clicks = 0
         self.scene.on_click = self._on_click  # type: ignore[method-assign]
         self.scene.remove_click_callback = self._remove  # type: ignore[method-assign]
@@ -36,6 +40,9 @@ class Client:
     def _on_click(self) -> Any:
         self.clicks += 1
         return lambda callback: callback
+
+    def _on_update(self, callback: Any) -> None:
+        self.updates.append(callback)
 
     def _remove(self) -> None:
         self.clicks -= 1
@@ -53,7 +60,7 @@ def touches() -> list[Touch]:
 def viewer(server: viser.ViserServer, touches: list[Touch]) -> Viewer:
     server.gui.reset()
     client: Any = Client(server, 1.6)
-    return Viewer(client, lambda *touch: touches.append(touch))
+    return Viewer(client, lambda *touch: touches.append(touch), lambda x, y: 0.2 * x)
 
 
 def switch(viewer: Viewer, label: str, on: bool) -> None:
@@ -93,9 +100,31 @@ def test_a_viewer_follows_until_it_is_told_not_to(viewer: Viewer) -> None:
     assert not viewer.follows
 
 
+def test_a_light_page_has_a_sky_of_its_own(viewer: Viewer, monkeypatch: pytest.MonkeyPatch) -> None:
+    hung: list[tuple[Any, Sky]] = []
+    monkeypatch.setattr(
+        "walking_console.web.scene.viewer.hang", lambda scene, sky: hung.append((scene, sky))
+    )
+    switch(viewer, "Light", True)
+    switch(viewer, "Light", False)
+    assert hung == [(viewer.client.scene, DAY), (viewer.client.scene, DUSK)]
+
+
 def test_the_world_moves_under_a_camera_that_follows(viewer: Viewer) -> None:
     viewer.move((-1.0, 0.5, 0.0))
     assert tuple(viewer.world.position) == (-1.0, 0.5, 0.0)
+
+
+@pytest.mark.parametrize(("z", "shown"), [(-1.0, 0.9), (0.89, 0.9), (0.95, 0.95)])
+def test_a_camera_dragged_under_the_ground_rises_above_it_and_looks_where_it_did(
+    viewer: Viewer, z: float, shown: float
+) -> None:
+    viewer.move((-1.0, 0.0, 0.15))  # the ground is 0.2 x high in the world
+    viewer.client.camera.position = np.array((2.0, 0.0, z))
+    viewer.client.camera.look_at = np.array((0.0, 0.0, -0.4))
+    viewer.client.updates[0](None)  # type: ignore[attr-defined]
+    assert viewer.client.camera.position == pytest.approx((2.0, 0.0, shown))
+    assert viewer.client.camera.look_at == pytest.approx((0.0, 0.0, -0.4))
 
 
 @pytest.mark.parametrize("brush", BRUSHES)
@@ -138,7 +167,7 @@ def test_the_first_look_is_the_same_for_wide_windows_and_farther_off_for_narrow_
     def distance(aspect: float) -> float:
         server.gui.reset()
         client: Any = Client(server, aspect)
-        Viewer(client, lambda *_: None).go_home()
+        Viewer(client, lambda *_: None, lambda x, y: 0.0).go_home()
         return float(np.linalg.norm(client.camera.position - LOOK_AT))
 
     first = float(np.linalg.norm(CAMERA - LOOK_AT))
