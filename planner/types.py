@@ -158,7 +158,8 @@ class Stance:
 class StepPlan:
     """One step as knots in the absolute frame, from N_k to N_{k+1}.
 
-    Feet go straight between knots, the body too, or along the cubic that has ``rates`` there.
+    Feet go straight between knots and so does the body, or along cubics that have ``foot_rates``
+    and ``rates`` there.
 
     In the absolute frame a supporting foot does not move and a rising foot rises vertically (H
     §4.5). The swing foot's last knot is what it *aims* at: h_up below the expected ground, so that
@@ -196,6 +197,7 @@ class StepPlan:
     lean: tuple[float, float] | None = None  # at its beginning; None: as at its end
     decision: dict[str, Any] | None = None  # why: filled only when asked
     rates: Array | None = None  # (m, 4), of the body at the knots: m/s, and rad/s of yaw
+    foot_rates: Array | None = None  # (m, n_legs, 3), of the feet at the knots: m/s
     # least planned distance of the centre of gravity from the support polygon's edge, m; nan where
     # it was not worked out
     polygon_margin_min: float = math.nan
@@ -203,8 +205,9 @@ class StepPlan:
     def __post_init__(self) -> None:
         for array in (self.times, self.body, self.feet):
             array.setflags(write=False)
-        if self.rates is not None:
-            self.rates.setflags(write=False)
+        for rates in (self.rates, self.foot_rates):
+            if rates is not None:
+                rates.setflags(write=False)
 
 
 @unique

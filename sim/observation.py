@@ -28,6 +28,7 @@ def take_snapshot(
         scenario=world.scenario.name,
         planner=world.scenario.planner,
         planner_mode=world.scenario.mode,
+        body_way=world.scenario.gait.body,
         command=simulation.command,
         distance=simulation.distance,
         mode=simulation.mode,

@@ -183,6 +183,7 @@ def _empty_mapper(world: World) -> ElevationMapper:
         unknown=world.scenario.unknown,
         final=ground.final,
         level=left_fold_sum(foot[2] for foot in feet) / len(feet),
+        edge=ground.edge,
     )
 
 

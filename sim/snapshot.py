@@ -91,6 +91,9 @@ class Snapshot:
     scenario: Annotated[str, Sent(example="dem")]
     planner: Annotated[str, Sent(example="crab")]
     planner_mode: Annotated[str, Sent(example="paper")]
+    body_way: Annotated[
+        str, Sent("", "sway: bent into every support; straight: as the papers print it", "sway")
+    ]
     # x, y, z, roll, pitch, yaw
     body: Annotated[
         tuple[float, float, float, float, float, float],

@@ -7,7 +7,7 @@ begun in the same world as often as wanted.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,8 +55,17 @@ def prepare(
     course = given_trace(scenario, machine)
     if ground is None:
         ground = ground_for(scenario, machine, gait)
+    elif ground.edge != scenario.terrain.edge:
+        ground = replace(ground, edge=scenario.terrain.edge)
     forbidden = true_forbidden(ground, machine)
-    belief = TerrainMap(ground.heights, forbidden, ground.cell, ground.origin, machine.foot_radius)
+    belief = TerrainMap(
+        ground.heights,
+        forbidden,
+        ground.cell,
+        ground.origin,
+        machine.foot_radius,
+        edge=ground.edge,
+    )
     stance = stance_at_start(scenario, machine, gait, ground.height_at)
     return World(scenario, machine, gait, ground, belief, forbidden, stance, course)
 

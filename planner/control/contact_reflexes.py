@@ -14,7 +14,7 @@ from dataclasses import replace
 from ..geometry.transforms import placed
 from ..motion.body_tilt import leaning
 from ..terrain.map import TerrainMap
-from ..types import Blocked, Point, Reason, Stance, StepPlan
+from ..types import TICK, Blocked, Point, Reason, Stance, StepPlan
 from .activities import PLACING, Activity, Event
 from .encounter import ContactEvent, Encounter, FootState, Situation, ceiling, motion
 from .execution import feet_absolute
@@ -67,7 +67,7 @@ class ContactReflexes:
         missing = [leg for leg in run.in_the_air() if leg not in waiting]
         self._meet(Touch(ContactEvent.NO_GROUND, missing[0], None), run.in_the_air(), now)
         run.pace = 1.0
-        return 0.0
+        return TICK if run.comes_to_rest else 0.0
 
     def let_down(self, legs: Sequence[int], now: Now) -> None:
         """Legs meant to carry hang: they feel for ground, one after the other, before any is
@@ -131,7 +131,7 @@ class ContactReflexes:
         """Do what the encounter's new state says; a search is answered at once."""
         if encounter.state is FootState.NORMAL:
             return self._see_to_next(now)
-        here = self._run.actual(now.sensing, self._run.plan.end)
+        here = self._state.brought_to_rest(now)
         if encounter.state is FootState.SEARCH:
             answer = self._searched(encounter, here, bearing, now.terrain)
             found = isinstance(answer, StepPlan)

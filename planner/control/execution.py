@@ -7,16 +7,18 @@ from dataclasses import replace
 
 from ..config import PlannerConfig, Tolerances
 from ..geometry.transforms import attitude_of, direction
+from ..motion.body_sway import bounds_of
 from ..motion.step_builder import holding_plan, with_feet
+from ..motion.swing_profile import gentle, legs_on_known_ground
 from ..robot.model import Machine
-from ..types import TICK, Command, Gait, Phase, Point, Sensing, Stance, StepPlan
+from ..terrain.map import TerrainMap
+from ..types import TICK, Gait, Phase, Point, Sensing, Stance, StepPlan
 from .compliant_controller import CompliantController
 from .foot_controller import ReflexState, reflex
 from .tracking import TrajectoryTracker
 
 ON_ALL_FEET = (Phase.SUPPORT, Phase.SHIFT)
 END = 1e-9  # s; a plan with less than this to go is over
-SLOWER = 0.5  # of the speed, while a foot slips and for a while after
 AHEAD = 0.7  # cosine, 45°: a body further aside of its course than that is beside its legs
 # m below the ground expected at which a foot has felt that there is none. Smaller: see false alarms
 # where the aim is hardly below the ground; larger: see it feel on over every hole
@@ -83,30 +85,28 @@ class Execution:
         self.t = 0.0
         self._felt_on = 0
 
+    def gently(self, plan: StepPlan, terrain: TerrainMap) -> StepPlan:
+        """A plan with smooth swings and shifts, unless walks are to be as printed."""
+        if not (self.gait.sways and self.gait.smooth):
+            return plan
+        known = legs_on_known_ground(plan, terrain)
+        return gentle(plan, self.machine, known, self.acceleration)
+
     def hold(self, stance: Stance) -> None:
         """Stand as it stands, from a step-switching point on."""
         self.stance = stance.at_rest()
         self.play(holding_plan(self.stance))
         self.pace = 0.0
 
-    def pace_for(self, command: Command) -> float:
-        """How fast to play the step: a change of speed inside it takes effect at once, never above
-        its v_max.
+    @property
+    def acceleration(self) -> float:
+        """The most the body may speed up or slow down, m/s²."""
+        return bounds_of(self.stance, self.gait).acceleration
 
-        A body that waits for its foot is not kept waiting longer by a slower command.
-        """
-        plan = self.tracker.plan
-        if plan.speed <= 0.0:
-            return 1.0
-        wanted = math.hypot(command.speed, self.machine.yaw_length * command.turn_rate)
-        if self.compliant is not None and self.compliant.slips:
-            wanted *= SLOWER
-        if plan.speed_max > 0.0:
-            wanted = min(wanted, plan.speed_max)
-        ratio = wanted / plan.speed
-        if ratio > 1.0 + 1e-12:
-            return min(ratio, max(1.0, self.tracker.pace_max(self.t, self.machine)))
-        return ratio if ratio < 1.0 and self.tracker.body_moves(self.t) else 1.0
+    @property
+    def comes_to_rest(self) -> bool:
+        """True while the plan has the body still slow down."""
+        return self.t < self.tracker.rests_from - END
 
     def time_ahead(self) -> tuple[float, float]:
         """Time into the plan one tick on, and how much of the tick, s, its end leaves over."""
@@ -207,6 +207,9 @@ class Execution:
         if actual.body == now and actual.feet == feet:
             return end
         x, y, z, yaw = actual.body
+        if self.plan.rates is not None:
+            way = zip(actual.body, end.place, now, strict=True)
+            x, y, z, yaw = (place + last - before for place, last, before in way)
         reference = (x - end.sway[0], y - end.sway[1], z, yaw)
         return replace(actual, body=reference, sway=end.sway, velocity=end.velocity)
 

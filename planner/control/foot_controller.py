@@ -24,7 +24,7 @@ from ..geometry.transforms import (
     turned_by,
 )
 from ..types import TICK, Point, Sensing
-from .tracking import TrajectoryTracker, bent
+from .tracking import TrajectoryTracker, bent, curved
 
 TURN_MIN = 1e-12  # rad; less than this to turn in one tick is no turn
 LEVEL = 1e-12  # rad; a posture sensor that reads less reads level
@@ -67,7 +67,7 @@ def reflex(
     if playback.leans:
         return leaning_reflex(playback, t_next, sensing, state, gains, dt)
     (bx, by, _, roll, pitch, yaw), feet_b, soles = sensing.body, sensing.feet_b, sensing.soles
-    start, body, rate, air, stand, down, feet, ground, bend = playback.stretches[
+    start, body, rate, air, stand, down, feet, ground, bend, curves = playback.stretches[
         playback.stretch(t_next)
     ]
     s = t_next if t_next < playback.duration else playback.duration
@@ -130,6 +130,8 @@ def reflex(
     # (33), table 3: swing legs follow the plan, seen from where the body will be
     for leg in air:
         fx, fy, fz, vx, vy, vz = feet[leg]
+        if curves is not None and (curve := curves[leg]) is not None:
+            vx, vy, vz = curved(vx, vy, vz, curve, s)
         mx, my, mz = feet_b[leg]
         fx, fy, fz = fx + vx * s - x, fy + vy * s - y, fz + vz * s - z
         fx, fy = c * fx + d * fy, c * fy - d * fx
@@ -159,7 +161,7 @@ def leaning_reflex(
     tick, the plan's own turning is followed.
     """
     (bx, by, _, roll, pitch, yaw), feet_b, soles = sensing.body, sensing.feet_b, sensing.soles
-    start, body, rate, air, stand, down, feet, ground, _ = playback.stretches[
+    start, body, rate, air, stand, down, feet, ground, _, curves = playback.stretches[
         playback.stretch(t_next)
     ]
     s = (0.0 if t_next < 0.0 else min(t_next, playback.duration)) - start
@@ -188,6 +190,8 @@ def leaning_reflex(
         out[leg] = _towards(there, feet_b[leg], gain)
     for leg in swinging:
         fx, fy, fz, vx, vy, vz = feet[leg]
+        if curves is not None and (curve := curves[leg]) is not None:
+            vx, vy, vz = curved(vx, vy, vz, curve, s)
         there = turned_back_by(then, (fx + vx * s - x, fy + vy * s - y, fz + vz * s - z))
         out[leg] = _towards(there, feet_b[leg], gain)
     if not simple:

@@ -114,7 +114,7 @@ class PostureController:
             state.posture = "stand" if self.low and self.wanted == "standard" else self.wanted
             self.low = self.low or self.wanted == "sit"
             state.blocked = None
-            self._plans = answer
+            self._plans = tuple(run.gently(plan, now.terrain) for plan in answer)
             self._play_next()
 
     def _give_up(self, why: Blocked) -> None:

@@ -6,6 +6,7 @@ from ..motion.step_builder import changed
 from ..types import Blocked, Command, Reason, Stance, StepPlan
 from .activities import Event
 from .execution import off_place
+from .pacing import pace_for
 from .walk_state import Now, WalkState
 
 
@@ -60,6 +61,8 @@ class StepController:
         slices = self._run.config.planning.slices_wanted
         self._job.consider(stance, now.command, now.terrain, slices)
         answer = self._job.answer(now.command)
+        if not isinstance(answer, StepPlan) and self._state.slow_down(stance):
+            return min(left, self._run.tracker.duration)
         if answer is None:  # not planned yet: hold on standing feet
             self._state.rest(stance, keep_job=stance is stance.at_rest())
             return 0.0
@@ -80,6 +83,8 @@ class StepController:
         run.stance = stance
         self._job.begun()
         state.blocked = None
+        if state.stands:
+            run.pace = 1.0
         run.play(answer)
         state.happens(Event.STEP_READY)
         state.steps_begun += 1
@@ -87,5 +92,5 @@ class StepController:
         state.posture = "stand"
         if command.speed > 0.0:
             state.crab_angle = command.crab_angle
-        run.pace = run.pace_for(command)
+        run.pace = pace_for(run, command)
         return min(left * run.pace, run.tracker.duration)

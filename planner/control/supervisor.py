@@ -16,6 +16,7 @@ from ..types import Blocked, Command, Mode, Phase, Point, Sensing, Stance, StepP
 from .activities import RESUMED, STILL, Activity
 from .contact_reflexes import ContactReflexes
 from .execution import END, Execution
+from .pacing import pace_for
 from .plan_job import Flags, PlanJob
 from .posture_controller import Layout, PostureController
 from .sole_watch import SoleWatch
@@ -222,8 +223,11 @@ class GaitSupervisor:
             self.contacts.is_surprised(now)
 
     def _settling(self, now: Now) -> None:
+        run = self.run
+        if run.comes_to_rest:
+            return
         lifted = self.plan.end.lifted
-        if all(self.run.landed(leg) for leg in self.plan.swing if leg not in lifted):
+        if all(run.landed(leg) for leg in self.plan.swing if leg not in lifted):
             self.state.stand_still(now, lifted)
             self._walk_on(now)
 
@@ -256,7 +260,7 @@ class GaitSupervisor:
         if not stepping and activity in STILL:
             run.pace = 0.0
             return run.t
-        run.pace = run.pace_for(now.command) if stepping else 1.0
+        run.pace = pace_for(run, now.command) if stepping else 1.0
         t_next, left = run.time_ahead()
         if stepping and self._soles.keeps_down(t_next, now):
             return run.t

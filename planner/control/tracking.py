@@ -20,6 +20,8 @@ LEVEL_LEAN = (0.0, 0.0)  # gradient of the body's floor
 Four = tuple[float, float, float, float]
 Bend = tuple[Four, Four]  # factors of s² and s³ in the body's x, y, z, yaw
 Rise = tuple[float, tuple[int, ...], tuple[int, ...]]  # s, legs that rise, legs that carry then
+# of s² and s³ in x, y, z of every foot; None for one that goes straight
+Curves = tuple[tuple[float, float, float, float, float, float] | None, ...]
 
 
 class PlanStretch(NamedTuple):
@@ -35,6 +37,7 @@ class PlanStretch(NamedTuple):
     feet: tuple[tuple[float, float, float, float, float, float], ...]
     ground: float  # mean z of the carrying feet, m
     bend: Bend | None = None  # of a body that does not go straight
+    curves: Curves | None = None  # of feet that do not
 
 
 class TrajectoryTracker:
@@ -64,6 +67,12 @@ class TrajectoryTracker:
             rates = [_four(row) for row in plan.rates.tolist()]
             self.stretches = [
                 _bent_stretch(stretch, times[k + 1] - times[k], rates[k], rates[k + 1])
+                for k, stretch in enumerate(self.stretches)
+            ]
+        if plan.foot_rates is not None:
+            speeds = plan.foot_rates.tolist()
+            self.stretches = [
+                _curved_stretch(stretch, times[k + 1] - times[k], speeds[k], speeds[k + 1])
                 for k, stretch in enumerate(self.stretches)
             ]
         self.rises = _rises(self.stretches)
@@ -102,6 +111,36 @@ class TrajectoryTracker:
             vx, vy, vz, turn = bent(stretch.rate, stretch.bend, s)
         return x + vx * s, y + vy * s, z + vz * s, yaw + turn * s
 
+    def velocity_at(self, t: float) -> Body:
+        """How the plan has the body move at t: m/s, and rad/s."""
+        stretch = self.stretches[self.stretch(t)]
+        if stretch.bend is None:
+            return stretch.rate
+        s = min(max(t, 0.0), self.duration) - stretch.start
+        (a, b, c, d), (e, f, g, h) = stretch.bend
+        vx, vy, vz, turn = stretch.rate
+        return (
+            vx + s * (2.0 * a + 3.0 * s * e),
+            vy + s * (2.0 * b + 3.0 * s * f),
+            vz + s * (2.0 * c + 3.0 * s * g),
+            turn + s * (2.0 * d + 3.0 * s * h),
+        )
+
+    def acceleration_at(self, t: float) -> float:
+        """Of the body over the ground, m/s²."""
+        stretch = self.stretches[self.stretch(t)]
+        s = min(max(t, 0.0), self.duration) - stretch.start
+        return _acceleration(stretch, s)
+
+    @property
+    def rests_from(self) -> float:
+        """The time from which on the body stands, s."""
+        for k in range(len(self.stretches) - 1, -1, -1):
+            stretch = self.stretches[k]
+            if stretch.bend is not None or stretch.rate != (0.0, 0.0, 0.0, 0.0):
+                return self._times[k + 1]
+        return 0.0
+
     def body_moves(self, t: float) -> bool:
         """True when the plan has the body go or turn at t."""
         stretch = self.stretches[self.stretch(t)]
@@ -113,6 +152,9 @@ class TrajectoryTracker:
         stretch = self.stretches[self.stretch(t)]
         s = min(max(t, 0.0), self.duration) - stretch.start
         x, y, z, vx, vy, vz = stretch.feet[leg]
+        curve = None if stretch.curves is None else stretch.curves[leg]
+        if curve is not None:
+            vx, vy, vz = curved(vx, vy, vz, curve, s)
         return x + vx * s, y + vy * s, z + vz * s
 
     def lean_at(self, t: float) -> tuple[float, float]:
@@ -131,6 +173,24 @@ class TrajectoryTracker:
         its limit.
         """
         return self._paces_of(machine)[self.stretch(t)]
+
+    def pace_ahead(self, t: float, machine: Machine, acceleration: float) -> float:
+        """The same for one who slows down in time for every stretch to come, the body's speeding
+        up, m/s², and slowing down no more than ``acceleration``.
+        """
+        times = self._times
+        allowed = math.inf
+        fastest = 0.0
+        for k in range(self.stretch(t), len(self.stretches)):
+            stretch = self.stretches[k]
+            fastest = max(fastest, math.hypot(stretch.rate[0], stretch.rate[1]))
+            ends = _acceleration(stretch, 0.0), _acceleration(stretch, times[k + 1] - times[k])
+            bends = max(*ends, 1e-9)
+            here = max(1.0, min(self._paces_of(machine)[k], math.sqrt(acceleration / bends)))
+            before = max(0.0, times[k] - t)
+            slowing = 2.0 * acceleration / max(fastest, 1e-6) * before
+            allowed = min(allowed, math.sqrt(here * here + slowing))
+        return allowed
 
     def _paces_of(self, machine: Machine) -> list[float]:
         if self._paces is None:
@@ -224,6 +284,39 @@ def _bent_stretch(straight: PlanStretch, seconds: float, begin: Four, end: Four)
     return straight._replace(rate=begin, bend=bend)
 
 
+def _curved_stretch(
+    stretch: PlanStretch, seconds: float, begin: list[list[float]], end: list[list[float]]
+) -> PlanStretch:
+    """The stretch whose moving feet have these velocities at its ends."""
+    if seconds <= 0.0 or not stretch.air:
+        return stretch
+    feet = list(stretch.feet)
+    curves: list[tuple[float, float, float, float, float, float] | None] = [None] * len(feet)
+    for leg in stretch.air:
+        x, y, z, *mean = feet[leg]
+        squares = []
+        cubes = []
+        for v, first, last in zip(mean, begin[leg], end[leg], strict=True):
+            squares.append((3.0 * v - 2.0 * first - last) / seconds)
+            cubes.append((first + last - 2.0 * v) / (seconds * seconds))
+        vx, vy, vz = begin[leg]
+        feet[leg] = (x, y, z, vx, vy, vz)
+        curves[leg] = (squares[0], squares[1], squares[2], cubes[0], cubes[1], cubes[2])
+    return stretch._replace(feet=tuple(feet), curves=tuple(curves))
+
+
+def curved(
+    vx: float,
+    vy: float,
+    vz: float,
+    curve: tuple[float, float, float, float, float, float],
+    s: float,
+) -> Point:
+    """Mean velocity of a cubic from the beginning of its stretch up to s."""
+    a, b, c, d, e, f = curve
+    return vx + s * (a + s * d), vy + s * (b + s * e), vz + s * (c + s * f)
+
+
 def _four(values: Sequence[float]) -> Four:
     return values[0], values[1], values[2], values[3]
 
@@ -237,6 +330,14 @@ def bent(rate: Four, bend: Bend, s: float) -> Four:
         rate[2] + s * (c + s * g),
         rate[3] + s * (d + s * h),
     )
+
+
+def _acceleration(stretch: PlanStretch, s: float) -> float:
+    """Of the body over the ground, m/s², so long after the beginning of a stretch."""
+    if stretch.bend is None:
+        return 0.0
+    (a, b, _, _), (e, f, _, _) = stretch.bend
+    return math.hypot(2.0 * a + 6.0 * s * e, 2.0 * b + 6.0 * s * f)
 
 
 def _row(
@@ -259,17 +360,33 @@ def _pace(stretch: PlanStretch, end: float, limits: tuple[float, float, float]) 
     """
     share = 0.0
     duration = end - stretch.start
-    # a turning body: three looks, good to a percent
-    for s in (0.0, duration / 2, duration) if stretch.rate[3] else (0.0,):
+    # a turning body, or feet on curves: three looks, good to a percent
+    many = stretch.rate[3] or stretch.curves is not None
+    for s in (0.0, duration / 2, duration) if many else (0.0,):
         x, y, _, yaw = (
             value + rate * s for value, rate in zip(stretch.body, stretch.rate, strict=True)
         )
         c, d = direction(yaw)
         turn = stretch.rate[3]
-        for fx, fy, _, vx, vy, vz in stretch.feet:
+        for leg, (fx, fy, _, vx, vy, _) in enumerate(stretch.feet):
+            ux, uy, uz = _foot_velocity(stretch, leg, s)
             # seen from the turning body, absolute axes
-            wx = vx - stretch.rate[0] + turn * (fy + vy * s - y)
-            wy = vy - stretch.rate[1] - turn * (fx + vx * s - x)
-            axes = (c * wx + d * wy, c * wy - d * wx, vz - stretch.rate[2])
+            wx = ux - stretch.rate[0] + turn * (fy + vy * s - y)
+            wy = uy - stretch.rate[1] - turn * (fx + vx * s - x)
+            axes = (c * wx + d * wy, c * wy - d * wx, uz - stretch.rate[2])
             share = max(share, *(abs(v) / limit for v, limit in zip(axes, limits, strict=True)))
     return 1.0 / share if share > 0.0 else math.inf
+
+
+def _foot_velocity(stretch: PlanStretch, leg: int, s: float) -> Point:
+    """Of a foot so long after the beginning of a stretch, m/s."""
+    _, _, _, vx, vy, vz = stretch.feet[leg]
+    curve = None if stretch.curves is None else stretch.curves[leg]
+    if curve is None:
+        return vx, vy, vz
+    a, b, c, d, e, f = curve
+    return (
+        vx + s * (2.0 * a + 3.0 * s * d),
+        vy + s * (2.0 * b + 3.0 * s * e),
+        vz + s * (2.0 * c + 3.0 * s * f),
+    )

@@ -7,12 +7,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..motion.body_tilt import leaning
+from ..motion.braking import Braking
 from ..motion.foot_placement import place_feet
-from ..motion.step_builder import changed
+from ..motion.step_builder import changed, holding_plan
 from ..terrain.map import TerrainMap
 from ..types import Blocked, Command, Sensing, Stance, StepPlan
 from .activities import PLACING, Activity, Event, after
 from .execution import Execution
+from .pacing import braking_from, braking_now
 from .plan_job import PlanJob
 from .setbacks import Setbacks
 
@@ -50,6 +52,7 @@ class WalkState:
         self.hovered = Activity.STEP
         machine = run.machine
         self.setbacks = Setbacks(run.config.contact, len(machine.legs), machine.yaw_length)
+        self._braking: Braking | None = None  # of the body, until what it does next is played
 
     @property
     def stands(self) -> bool:
@@ -74,6 +77,9 @@ class WalkState:
         if self.activity is Activity.STEP or self.activity is Activity.POSTURE:
             self.run.interrupted = self.run.plan
         self.happens(event)
+        if self._braking is not None:
+            plan = self._braking.onto(plan)
+            self._braking = None
         self.run.play(plan)
 
     def rest(self, stance: Stance, keep_job: bool = False) -> None:
@@ -94,27 +100,54 @@ class WalkState:
         remembered = run.remembered(now.sensing, cut_short, lifted)
         self.rest(run.actual(now.sensing, remembered))
 
+    def brought_to_rest(self, now: Now) -> Stance:
+        """The stance as it will be once the body stands; what is played next slows it down."""
+        run = self.run
+        here = run.actual(now.sensing, run.plan.end)
+        self._braking = braking_now(run, now.sensing)
+        return here if self._braking is None else self._braking.rest_of(here)
+
     def stop(self, now: Now) -> None:
-        """The body stops in this tick; feet in the air are set down where they are nearest to
-        ground.
+        """The body stops, as soon as its margin allows; feet in the air are set down where they are
+        nearest to ground.
         """
         run = self.run
         airborne = run.in_the_air()
-        if not airborne:
+        here = self.brought_to_rest(now)
+        if not airborne and self._braking is None:
             return self.stand_still(now)
-        here = run.actual(now.sensing, run.plan.end)
         self.job.forget()
+        if not airborne:
+            return self.interrupt(holding_plan(here), Event.CUT_SHORT)
         frame = leaning(here, now.terrain, run.machine)
         settling = place_feet(frame.stance, airborne, frame.terrain, frame.machine, run.gait)
         if isinstance(settling, Blocked):
             self.hover(settling)
         else:
-            self.interrupt(frame.restored(settling, here), Event.CUT_SHORT)
+            settling = run.gently(frame.restored(settling, here), now.terrain)
+            self.interrupt(settling, Event.CUT_SHORT)
+
+    def slow_down(self, stance: Stance) -> bool:
+        """At a step-switching point with no step to go on with: the body comes to rest on its feet.
+        False when it stands already.
+        """
+        run = self.run
+        run.t = run.tracker.duration
+        way = braking_from(run, stance)
+        if way is None:
+            return False
+        self.job.forget()
+        run.stance = stance
+        self.happens(Event.CUT_SHORT)
+        run.play(way.onto(holding_plan(way.rest_of(stance))))
+        run.interrupted = None
+        return True
 
     def hover(self, why: Blocked) -> None:
         """Hold everything, one foot in the air on three that carry: there is no ground for it here.
         Driving on resumes.
         """
+        self._braking = None
         self.hovered = self.activity
         self.happens(Event.NO_PLACE)
         self.blocked = why

@@ -11,6 +11,7 @@ from functools import partial
 
 from ..motion.body_sway import swayed
 from ..motion.steady_course import holding, steadied
+from ..motion.swing_profile import legs_on_known_ground
 from ..navigation.local_planner import LocalPlanner, RouteState
 from ..protocols import (
     BodyAttitude,
@@ -92,7 +93,8 @@ class CrabPlanner(Planner):
         if isinstance(answer, Blocked) or not self._gait.sways:
             return answer
         ahead = expected_supports(answer, command, self._machine, self._gait)
-        return swayed(answer, stance, ahead, self._gait, self._machine)
+        known = legs_on_known_ground(answer, terrain)
+        return swayed(answer, stance, ahead, self._gait, self._machine, known)
 
     def heed(self, command: Command) -> Command:
         return self._local.heed(command)

@@ -129,14 +129,16 @@ def _deepest(lines: list[tuple[float, float]]) -> float:
     return max(candidates, key=lambda offset: min(depth + rate * offset for depth, rate in lines))
 
 
-def meeting(one: tuple[float, float], other: tuple[float, float]) -> tuple[float, float]:
-    """The bounds that two pairs of bounds share; the middle of the gap when they share nothing."""
-    low = max(one[0], other[0])
-    high = min(one[1], other[1])
+def meeting(earlier: tuple[float, float], later: tuple[float, float]) -> tuple[float, float]:
+    """The bounds that two pairs of bounds share. Where they share nothing, the earlier's end that
+    is nearer to the later: the body waits there until the later support may be had.
+    """
+    low = max(earlier[0], later[0])
+    high = min(earlier[1], later[1])
     if low <= high:
         return low, high
-    middle = (low + high) / 2
-    return middle, middle
+    nearest = min(max(later[0], earlier[0]), earlier[1])
+    return nearest, nearest
 
 
 def through_gates(start: Knot, keys: Sequence[Key]) -> list[Knot]:
@@ -215,19 +217,31 @@ def _cubic(a: Knot, b: Knot, time: float) -> Knot:
     return Knot(time, value, rate)
 
 
-def largest_acceleration(
-    knots: Sequence[Knot], start: float = -math.inf, end: float = math.inf
-) -> float:
-    """The largest acceleration of the cubic through the knots, m/s² (at an end of a stretch), in
-    the stretches between two times.
-    """
+def accelerations(knots: Sequence[Knot], start: float, end: float) -> tuple[float, float]:
+    """Of the cubic through the knots at two times with no knot between them, m/s²."""
+    middle = (start + end) / 2.0
+    if not knots[0].time < middle < knots[-1].time:
+        return 0.0, 0.0
+    k = next(k for k in range(1, len(knots)) if middle <= knots[k].time)
+    first, last = _accelerations(knots[k - 1], knots[k])
+    begin = knots[k - 1].time
+    span = max(knots[k].time - begin, SHORTEST)
+    jerk = (last - first) / span
+    return first + jerk * (start - begin), first + jerk * (end - begin)
+
+
+def largest_acceleration(knots: Sequence[Knot]) -> float:
+    """The largest acceleration of the cubic through the knots, m/s² (at an end of a stretch)."""
     largest = 0.0
     for a, b in zip(knots, knots[1:], strict=False):
-        if b.time <= start + ROUNDING or a.time >= end - ROUNDING:
-            continue
-        span = max(b.time - a.time, SHORTEST)
-        slope = (b.value - a.value) / span
-        first = 2.0 * (3.0 * slope - 2.0 * a.rate - b.rate) / span
-        last = 2.0 * (a.rate + 2.0 * b.rate - 3.0 * slope) / span
-        largest = max(largest, abs(first), abs(last))
+        largest = max(largest, *map(abs, _accelerations(a, b)))
     return largest
+
+
+def _accelerations(a: Knot, b: Knot) -> tuple[float, float]:
+    """At the ends of one stretch."""
+    span = max(b.time - a.time, SHORTEST)
+    slope = (b.value - a.value) / span
+    first = 2.0 * (3.0 * slope - 2.0 * a.rate - b.rate) / span
+    last = 2.0 * (a.rate + 2.0 * b.rate - 3.0 * slope) / span
+    return first, last

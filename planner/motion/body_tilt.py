@@ -232,6 +232,7 @@ def sheared(
         (ox + c0 * cell, oy + r0 * cell),
         terrain.foot_radius,
         known,
+        terrain.edge,
     )
 
 

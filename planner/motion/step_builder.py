@@ -53,6 +53,7 @@ class StepFacts(TypedDict, total=False):
     lean: tuple[float, float] | None
     decision: dict[str, Any] | None
     rates: Array | None
+    foot_rates: Array | None
     polygon_margin_min: float
 
 

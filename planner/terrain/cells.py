@@ -25,15 +25,19 @@ class FootholdMap(NamedTuple):
     cell: float
     x: float  # corner of cell [0, 0]
     y: float
+    keeps_off_holes: Callable[[float, float], bool]
 
     def allows(self, ax: float, ay: float) -> bool:
-        """True when the cell under an absolute point is on the map and not prohibited."""
+        """True when the cell under an absolute point is on the map and not prohibited, and no
+        bottomless cell is too near.
+        """
         column = math.floor((ax - self.x) / self.cell)
         row = math.floor((ay - self.y) / self.cell)
         return (
             0 <= column < self.columns
             and 0 <= row < self.rows
             and not self.forbidden[row * self.columns + column]
+            and self.keeps_off_holes(ax, ay)
         )
 
 
@@ -46,6 +50,7 @@ def foothold_map(terrain: TerrainMap) -> FootholdMap:
         terrain.cell,
         terrain.origin[0],
         terrain.origin[1],
+        terrain.keeps_off_holes,
     )
 
 
@@ -94,7 +99,7 @@ def cells_across(
     Sideways from the start first; then the rows behind and ahead in turn, each from the cell on the
     line along the course. The map's axis nearest to the course plays the part of "ahead".
     """
-    forbidden, rows, columns, cell, ox, oy = cells
+    forbidden, rows, columns, cell, ox, oy, _ = cells
     ahead = span_of(area[0], area[1], ox, cell, columns)
     beside = span_of(area[2], area[3], oy, cell, rows)
     # the start in cells, along the axis and across it
@@ -139,7 +144,7 @@ def one_of_each_block(
 def _first_wanted(
     cells: FootholdMap, lines: range, places: range, wanted: Callable[[float, float], T | None]
 ) -> T | None:
-    forbidden, _, columns, cell, ox, oy = cells
+    forbidden, _, columns, cell, ox, oy, _ = cells
     for line in lines:
         for place in places:
             if not forbidden[line * columns + place]:
@@ -155,7 +160,7 @@ def cells_around(
     """Centres of the free cells (or ``every`` one) around a place from the nearest on, and how far
     away they are, m.
     """
-    forbidden, rows, columns, cell, ox, oy = cells
+    forbidden, rows, columns, cell, ox, oy, _ = cells
     column = math.floor((place[0] - ox) / cell)
     row = math.floor((place[1] - oy) / cell)
     for dc, dr, away in disc_of(cell, radius):

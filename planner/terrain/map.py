@@ -19,6 +19,8 @@ from ..robot.model import Machine
 from .grid import HeightGrid, Window, grown, solid_heights, spread_max, within
 from .traversability import classify
 
+EDGE = 0.01  # m a foothold keeps from the bottomless. Less: see a point of a foot slip off
+
 
 @dataclass(frozen=True, eq=False)
 class TerrainMap(HeightGrid):
@@ -44,6 +46,7 @@ class TerrainMap(HeightGrid):
     foot_radius: float = 0.03
     # (ny, nx) seen or touched; None: all of it (heights elsewhere are supposed)
     known: NDArray[np.bool_] | None = None
+    edge: float = EDGE  # m a foothold keeps from the bottomless; 0: it may stand on its very edge
 
     def __post_init__(self) -> None:
         shape = self.heights.shape
@@ -97,6 +100,22 @@ class TerrainMap(HeightGrid):
         return self.forbidden.tobytes()
 
     @cached_property
+    def holes_bytes(self) -> bytes:
+        """One byte a cell, row by row: 1 where there is no bottom; none at all without holes."""
+        holes = np.isnan(self.heights)
+        return holes.tobytes() if holes.any() else b""
+
+    def keeps_off_holes(self, x: float, y: float) -> bool:
+        """True when (x, y) is no nearer than ``edge`` to the bottomless."""
+        holes = self.holes_bytes
+        if not holes or self.edge <= 0.0:
+            return True
+        around = (
+            (x + dx * self.edge, y + dy * self.edge) for dx in (-1.0, 1.0) for dy in (-1.0, 1.0)
+        )
+        return not any(flat >= 0 and holes[flat] for flat in (self.index(*at) for at in around))
+
+    @cached_property
     def highest(self) -> float:
         """Highest ground on the map, m; 0 when there is none."""
         finite = self.heights[np.isfinite(self.heights)]
@@ -121,7 +140,12 @@ class TerrainMap(HeightGrid):
     def allows(self, x: float, y: float) -> bool:
         """True when a foot may land at (x, y)."""
         flat = self.index(x, y)
-        return flat >= 0 and not self.forbidden_bytes[flat]
+        return flat >= 0 and not self.forbidden_bytes[flat] and self.keeps_off_holes(x, y)
+
+    def is_known(self, x: float, y: float) -> bool:
+        """True when the ground at (x, y) has been seen or touched."""
+        flat = self.index(x, y)
+        return flat >= 0 and (self.known is None or bool(self.known.flat[flat]))
 
     def is_free(self, x_min: float, x_max: float, y_min: float, y_max: float) -> bool:
         """True when an axis-aligned rectangle is on the map and no cell of it is prohibited."""

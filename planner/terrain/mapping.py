@@ -18,7 +18,7 @@ from ..geometry.transforms import left_fold_sum
 from ..robot.model import Machine
 from ..types import Array, Point
 from .grid import Window, grown, within
-from .map import TerrainMap
+from .map import EDGE, TerrainMap
 from .traversability import RISE_WINDOW, Kind, kinds, sole_cells
 
 Index = NDArray[np.intp]
@@ -46,6 +46,7 @@ class ElevationMapper:
         unknown: str = "flat",
         final: bool = False,
         level: float = 0.0,
+        edge: float = EDGE,
     ) -> None:
         if unknown not in TREATMENTS:
             raise ValueError(
@@ -68,7 +69,13 @@ class ElevationMapper:
         self._level_given = level
         refused = np.full(shape, unknown == "forbidden")
         self.map = TerrainMap(
-            np.full(shape, level), refused, cell, origin, machine.foot_radius, self.known.copy()
+            np.full(shape, level),
+            refused,
+            cell,
+            origin,
+            machine.foot_radius,
+            self.known.copy(),
+            edge,
         )
 
     # what comes in

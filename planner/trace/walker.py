@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from ..geometry.transforms import Body
 from ..motion.body_sway import swayed
+from ..motion.swing_profile import legs_on_known_ground
 from ..protocols import Capabilities, Planner, PlannerError, PlannerSetup, PlanningJob
 from ..terrain.map import TerrainMap
 from ..types import Blocked, Command, GaitPreview, Stance, StepPlan
@@ -52,7 +53,8 @@ class TracePlanner(Planner):
         if isinstance(answer, Blocked) or not self.walk.gait.sways:
             return answer
         supports = expected_supports(self.walk.prediction, stance, answer)
-        return swayed(answer, stance, supports, self.walk.gait, self.walk.machine)
+        known = legs_on_known_ground(answer, terrain)
+        return swayed(answer, stance, supports, self.walk.gait, self.walk.machine, known)
 
     def preview(self, stance: Stance, running: StepPlan | None) -> GaitPreview | None:
         """The same object as long as nothing else is foreseen."""

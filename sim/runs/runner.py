@@ -229,6 +229,7 @@ def summarise(
         "version": product_version(),
         "versions": versions(scenario.plant),
         "plant": scenario.plant,
+        "body": scenario.gait.body,
         "scenario": without_folders(scenario),
         "robot": as_data(simulation.world.machine),
         "start_ground": {"kind": ground.kind, "final": ground.final},

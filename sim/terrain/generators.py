@@ -19,6 +19,7 @@ from pydantic_core import PydanticCustomError
 
 from walking_console.planner.geometry.paths import Box
 from walking_console.planner.geometry.transforms import direction, directions, left_fold_sum
+from walking_console.planner.terrain.map import EDGE
 from walking_console.planner.types import Array
 
 from ..tables import Bearing, Extent, MapMetres, Table
@@ -72,6 +73,9 @@ class Terrain(Table):
     kind: str
     seed: int | None = Field(
         default=None, ge=0, le=SEED_MAX, description="the scenario's seed when not given"
+    )
+    edge: float = Field(
+        default=EDGE, ge=0.0, le=0.1, description="m a foothold keeps from bottomless cells"
     )
 
 

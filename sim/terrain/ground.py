@@ -22,6 +22,7 @@ from walking_console.planner.geometry.paths import Box
 from walking_console.planner.geometry.transforms import XY, Pose
 from walking_console.planner.robot.model import Machine
 from walking_console.planner.terrain.grid import HeightGrid
+from walking_console.planner.terrain.map import EDGE
 
 from .extent import CellRange, cells_for
 from .files import given_heights, read_elevation, read_heights
@@ -57,6 +58,7 @@ class Ground(HeightGrid):
     final: bool = False
     obstacles: tuple[Obstacle, ...] = ()
     note: str = ""  # what was understood of a height file, one line
+    edge: float = EDGE  # m a foothold keeps from the bottomless
 
     def __post_init__(self) -> None:
         if self.heights.ndim != 2 or 0 in self.heights.shape:
@@ -117,7 +119,13 @@ def make_ground(
         else:
             read = given_heights(terrain, at)
         ground = Ground(
-            read.heights, read.cell, read.origin, terrain.kind, terrain.final, note=read.note
+            read.heights,
+            read.cell,
+            read.origin,
+            terrain.kind,
+            terrain.final,
+            note=read.note,
+            edge=terrain.edge,
         )
     elif isinstance(terrain, Generated):
         at = start[0], start[1]
@@ -144,11 +152,17 @@ def _generated(
         heights[np.hypot(site.x - start[0], site.y - start[1]) <= site.clear] = 0.0
     origin = site.bounds[0], site.bounds[2]
     obstacles = terrain.obstacles(site)
-    ground = Ground(heights, cells.cell, origin, terrain.kind, terrain.final, obstacles)
-    if terrain.final:
-        under = (ground.cell_at(*foot) for foot in stand)
-        ground = ground.edited((*at, 0.0) for at in under if at is not None)
-    return ground
+    ground = Ground(
+        heights, cells.cell, origin, terrain.kind, terrain.final, obstacles, edge=terrain.edge
+    )
+    return _with_start(ground, stand) if terrain.final else ground
+
+
+def _with_start(ground: Ground, stand: Sequence[XY]) -> Ground:
+    """The ground with something under the feet of the start posture, as far as they keep off."""
+    sides = (-ground.edge, ground.edge) if ground.edge > 0.0 else (0.0,)
+    under = (ground.cell_at(x + dx, y + dy) for x, y in stand for dx in sides for dy in sides)
+    return ground.edited((*at, 0.0) for at in under if at is not None)
 
 
 def _site(cells: CellRange, start: XY, machine: Machine, seed: int) -> Site:

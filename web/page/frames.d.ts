@@ -64,6 +64,7 @@ export interface SnapshotFrame extends Command {
   scenario: string;
   planner: string;
   planner_mode: string;
+  body_way: string;
   body: number[];
   feet: number[][];
   contact: boolean[];

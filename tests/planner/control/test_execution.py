@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from tests.planner.control.plans import (
-    AHEAD,
     FEET,
     HEIGHT,
     STANCE,
@@ -43,16 +42,6 @@ def test_a_machine_that_stands_otherwise_is_where_its_sensors_have_it():
 def test_feet_are_placed_by_the_whole_posture():
     body = (0.3, -0.2, HEIGHT, 0.0, 0.0, 1.1)
     assert feet_absolute(sensed(body=body))[2] == pytest.approx(FEET[2])
-
-
-def test_it_goes_as_fast_as_commanded_within_what_the_step_was_planned_for():
-    run = execution()
-    run.play(replace(swing_plan(), speed=0.1, speed_max=0.15))
-    assert run.pace_for(AHEAD) == 1.0
-    assert run.pace_for(Command(0.0, 0.05)) == pytest.approx(0.5)
-    assert run.pace_for(Command(0.0, 9.0)) == pytest.approx(1.5)
-    run.play(replace(swing_plan(), speed=0.0))
-    assert run.pace_for(Command(0.0, 9.0)) == 1.0
 
 
 def test_a_tick_goes_on_by_its_pace_and_leaves_over_what_lies_beyond_the_end():

@@ -19,7 +19,7 @@ from walking_console.planner.terrain.map import TerrainMap
 
 
 def test_off_the_map_nothing_is_allowed():
-    cells = FootholdMap(b"\x00" * 4, 2, 2, 0.1, 0.0, 0.0)
+    cells = FootholdMap(b"\x00" * 4, 2, 2, 0.1, 0.0, 0.0, lambda x, y: True)
     assert cells.allows(0.05, 0.15)
     assert not cells.allows(-0.01, 0.05)
     assert not cells.allows(0.05, 0.2) and not cells.allows(1e9, 0.0)

@@ -32,6 +32,27 @@ def test_forbidding_makes_a_new_map_and_leaves_the_old_one():
     assert other.forbidden.sum() == 1
 
 
+def test_no_foot_lands_within_a_centimetre_of_the_bottomless_unless_it_may():
+    heights = np.zeros((20, 20))
+    heights[10, 10] = np.nan
+    ground = TerrainMap(heights, np.isnan(heights), 0.05, (0.0, 0.0))
+    x, y = 0.5, 0.525  # the hole begins at x
+    assert ground.allows(x - 0.011, y) and not ground.allows(x - 0.009, y)
+    assert not ground.allows(x - 0.005, 0.495)  # at its corner
+    assert all(ground.allows(*ground.centre(10, c)) for c in (9, 11))
+    printed = TerrainMap(heights, np.isnan(heights), 0.05, (0.0, 0.0), edge=0.0)
+    assert printed.allows(x - 0.001, y) and not printed.allows(x + 0.001, y)
+
+
+def test_what_has_not_been_seen_is_not_known():
+    heights = np.zeros((4, 4))
+    known = np.zeros((4, 4), dtype=bool)
+    known[1, 1] = True
+    ground = TerrainMap(heights, known & False, 0.1, (0.0, 0.0), known=known)
+    assert ground.is_known(0.15, 0.15) and not ground.is_known(0.25, 0.15)
+    assert not ground.is_known(9.0, 0.0)
+
+
 def test_a_map_cannot_be_written_to():
     with pytest.raises(ValueError, match="read-only"):
         level().heights[0, 0] = 1.0

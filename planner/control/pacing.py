@@ -1,0 +1,80 @@
+"""How fast a plan is played, and how a body in motion is brought to rest.
+
+A swayed plan has a body with bounded acceleration; played at another pace it keeps it: the pace
+changes no faster than that allows, and a stop goes on along the plan ever slower. A plan with the
+body straight as printed changes its pace and stops at once.
+"""
+
+from __future__ import annotations
+
+import math
+
+from ..motion.braking import LEAST_SHARE, STANDS, Braking, braking
+from ..types import TICK, Command, Sensing, Stance
+from .execution import Execution
+
+SLOWER = 0.5  # of the speed, while a foot slips and for a while after
+
+
+def pace_for(run: Execution, command: Command) -> float:
+    """How fast to play the step: a change of speed inside it takes effect at once, or as soon as
+    the body can, never above its v_max.
+
+    A body that waits for its foot is not kept waiting longer by a slower command.
+    """
+    plan = run.tracker.plan
+    if plan.speed <= 0.0:
+        return _in_reach(run, 1.0)
+    wanted = math.hypot(command.speed, run.machine.yaw_length * command.turn_rate)
+    if run.compliant is not None and run.compliant.slips:
+        wanted *= SLOWER
+    if plan.speed_max > 0.0:
+        wanted = min(wanted, plan.speed_max)
+    ratio = wanted / plan.speed
+    if ratio > 1.0 + 1e-12:
+        return _in_reach(run, min(ratio, max(1.0, _pace_max(run))))
+    return _in_reach(run, ratio if ratio < 1.0 and run.tracker.body_moves(run.t) else 1.0)
+
+
+def _pace_max(run: Execution) -> float:
+    """How many times faster than planned may be played now."""
+    if run.tracker.plan.rates is None:
+        return run.tracker.pace_max(run.t, run.machine)
+    return run.tracker.pace_ahead(run.t, run.machine, run.acceleration)
+
+
+def _in_reach(run: Execution, pace: float) -> float:
+    """The pace nearest to one wanted that a smoothly moving body can have a tick on."""
+    if run.tracker.plan.rates is None or pace == run.pace:
+        return pace
+    vx, vy, _, turn = run.tracker.velocity_at(run.t)
+    speed = math.hypot(vx, vy, run.machine.yaw_length * turn)
+    bends = run.pace * run.pace * run.tracker.acceleration_at(run.t)
+    left = max(run.acceleration - bends, LEAST_SHARE * run.acceleration)
+    change = left * TICK / max(speed, STANDS)
+    return min(max(pace, run.pace - change), run.pace + change)
+
+
+def braking_now(run: Execution, sensing: Sensing) -> Braking | None:
+    """The body's way to rest from where it is; None when it stands or stops dead: as printed, or
+    because it is held back.
+    """
+    if run.held_back(sensing):
+        return None
+    return _braking_at(run, sensing.body[0], sensing.body[1])
+
+
+def braking_from(run: Execution, stance: Stance) -> Braking | None:
+    """The same from where the body came out at the end of the plan."""
+    return _braking_at(run, stance.place[0], stance.place[1])
+
+
+def _braking_at(run: Execution, x: float, y: float) -> Braking | None:
+    if not run.gait.sways:
+        return None
+    way = braking(run.tracker, run.t, run.pace, run.acceleration, run.machine.yaw_length)
+    if way is None:
+        return None
+    dx = x - way.body[0][0]
+    dy = y - way.body[0][1]
+    return way if math.hypot(dx, dy) <= run.tolerances.same_place else way.moved(dx, dy)

@@ -1,0 +1,339 @@
+"""The reference of a step: a smooth course through the places its body was planned at.
+
+The places are knots of a line or an arc; between them the course is a cubic whose direction has no
+jumps. It also knows what carries the machine: the polygons a swaying body keeps its margin in.
+Metres, seconds, absolute frame.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections.abc import Collection, Sequence
+from typing import NamedTuple
+
+from ..geometry.polygons import Polygon
+from ..geometry.transforms import XY, Body, Point, direction, point_seen, turned, turned_back
+from ..robot.model import Machine
+from ..stability import polygon_margin, support_polygon
+from ..statics import centre_of_gravity
+from ..types import Phase, Stance, StepPlan
+from .body_path import OFFSET_MAX, lateral_bounds, meeting, nearest_edge_normal
+
+STILL = 1e-9  # m; a reference that goes no farther stands
+NUDGE = 0.01  # m
+SAFE = 0.002  # m of mechanical reach that is left
+SLANT_MIN = 0.05  # of the sway along an axis of the body; less is none
+APART = 0.008  # m between places of a reference; nearer ones: see it swing to and fro
+FLAT_MIN = 0.3  # of way over the ground per metre of a reference; one with less turns or climbs
+
+
+class Moment(NamedTuple):
+    """An instant of a step: how far the reference has come, where the centre of gravity is from the
+    body then, absolute axes, and the feet that stand, in leg order.
+    """
+
+    length: float
+    centre: XY
+    feet: Sequence[Point | None]
+
+
+class Course:
+    """The reference of a step as a polyline, and what carries the machine on its way."""
+
+    def __init__(
+        self,
+        reference: list[Body],
+        crab_angle: float,
+        polygons: tuple[Polygon, Polygon],
+        centres: tuple[XY, XY],
+        lift: int,
+        carries_along: float,
+        machine: Machine,
+        standing: tuple[Sequence[Point | None], Sequence[Point | None]],
+    ) -> None:
+        lengths = _lengths(reference)
+        kept = _apart(lengths)
+        self.reference = [reference[k] for k in kept]
+        self.crab_angle = crab_angle
+        self.before, self.after = polygons  # of the feet that carry before, and after, a leg lifts
+        self.lengths = [lengths[k] for k in kept]
+        self.lift_length = lengths[lift]  # behind the body when a leg lifts, m
+        self._slopes = _slopes(self.reference, self.lengths)
+        # of the centre of gravity from the body when a leg lifts, and at the end, absolute axes
+        self.centre_at_lift, self.centre_at_end = centres
+        self.carries_along = carries_along
+        self._machine = machine
+        self._standing = standing  # the feet that stand before, and after, a leg lifts
+        self.aside = math.pi / 2  # rad, from the course to the direction in which the body sways
+
+    @classmethod
+    def of(cls, plan: StepPlan, stance: Stance, machine: Machine) -> Course:
+        """That of a plan as it was decided."""
+        legs = range(len(stance.feet))
+        standing = support_polygon(stance.feet[leg] for leg in legs if leg not in stance.lifted)
+        swinging = (
+            ()
+            if first_swing(plan.phases) is None
+            else support_polygon(stance.feet[leg] for leg in legs if leg not in plan.swing)
+        )
+        reference = [(b[0], b[1], b[2], b[3]) for b in plan.body.tolist()]
+        feet = plan.feet.tolist()
+        first = first_swing(plan.phases)
+        lift = first or 0
+        centres = (
+            centre_over(machine, reference[lift], feet[lift]),
+            centre_over(machine, reference[-1], feet[-1]),
+        )
+        lifts = len(plan.phases) if first is None else first
+        share = _carried_along(machine, reference[lift], feet[lift])
+        on = _feet_but(stance, stance.lifted), _feet_but(stance, plan.swing)
+        polygons = standing, swinging
+        return cls(reference, plan.crab_angle, polygons, centres, lifts, share, machine, on)
+
+    @property
+    def length(self) -> float:
+        """Of the whole reference, m."""
+        return self.lengths[-1]
+
+    def at(self, length: float) -> Body:
+        """The reference after a length of it: a cubic over the ground, even in height and yaw."""
+        k, share = self._stretch(length)
+        (ax, ay, az, ayaw), (bx, by, bz, byaw) = self.reference[k : k + 2]
+        (sx, sy), (ex, ey) = self._slopes[k : k + 2]
+        way = self.lengths[k + 1] - self.lengths[k]
+        left = 1.0 - share
+        ends = share * share * (1.0 + 2.0 * left)
+        out = share * left * left * way
+        back = -share * share * left * way
+        return (
+            ax + ends * (bx - ax) + out * sx + back * ex,
+            ay + ends * (by - ay) + out * sy + back * ey,
+            az + share * (bz - az),
+            ayaw + share * (byaw - ayaw),
+        )
+
+    def slope(self, length: float) -> Body:
+        """Change of x, y, z and yaw per metre of the reference's length there."""
+        k, share = self._stretch(length)
+        a, b = self.reference[k : k + 2]
+        (sx, sy), (ex, ey) = self._slopes[k : k + 2]
+        way = max(self.lengths[k + 1] - self.lengths[k], STILL)
+        left = 1.0 - share
+        middle = 6.0 * share * left
+        first = left * (left - 2.0 * share)
+        last = share * (share - 2.0 * left)
+        per_metre = [(q - p) / way for p, q in zip(a, b, strict=True)]
+        return (
+            middle * per_metre[0] + first * sx + last * ex,
+            middle * per_metre[1] + first * sy + last * ey,
+            per_metre[2],
+            per_metre[3],
+        )
+
+    @property
+    def turning(self) -> float:
+        """How much the axes of the sway turn per metre of the reference's length, rad."""
+        turn = math.remainder(self.heading(self.length) - self.heading(0.0), 2.0 * math.pi)
+        return turn / max(self.length, STILL)
+
+    def bend(self, length: float) -> float:
+        """How much the course itself turns per metre of its length there, rad."""
+        k, _ = self._stretch(length)
+        begin, end = self.lengths[k], self.lengths[k + 1]
+        turn = math.remainder(self.heading(end) - self.heading(begin), 2.0 * math.pi)
+        return turn * self.flat(length) / max(end - begin, STILL)
+
+    def heading(self, length: float) -> float:
+        """Absolute direction of the course there, rad."""
+        x, y, _, _ = self.slope(length)
+        if math.hypot(x, y) <= FLAT_MIN:
+            return self.at(length)[3] + self.crab_angle
+        return math.atan2(y, x)
+
+    def flat(self, length: float) -> float:
+        """Way over the ground per metre of the reference, about there."""
+        x, y, _, _ = self.slope(length)
+        return math.hypot(x, y)
+
+    def side(self, length: float) -> XY:
+        """Direction in which the body sways there, absolute frame: to the left of its course, which
+        is taken to turn evenly from its beginning to its end.
+        """
+        return direction(self.heading(0.0) + self.turning * length + self.aside)
+
+    def lifting(self, length: float) -> Moment:
+        """A leg lifts after a length of the reference."""
+        return Moment(length, self.centre_at_lift, self._standing[0])
+
+    @property
+    def landing(self) -> Moment:
+        """The step ends."""
+        return Moment(self.length, self.centre_at_end, self._standing[1])
+
+    def bounds_at(self, when: Moment, polygon: Polygon, margin: float, along: float = 0.0) -> XY:
+        """The offsets at which the body keeps a margin in a polygon, when it is so far ``along``
+        the course from its reference.
+        """
+        x, y = self.weight_at(when, 0.0, along)
+        wanted = lateral_bounds(polygon, x, y, self.leverage(when.length), margin)
+        return meeting(self._in_reach(when, along), wanted)
+
+    def _in_reach(self, when: Moment, along: float) -> XY:
+        """The offsets at which every foot that stands is within its leg's mechanical reach."""
+        x, y, z, yaw = self.at(when.length)
+        sx, sy = self.side(when.length)
+        body = x + along * sy, y - along * sx, z, yaw
+        across = turned_back(sx, sy, yaw)
+        low, high = -OFFSET_MAX, OFFSET_MAX
+        for leg, foot in zip(self._machine.legs, when.feet, strict=True):
+            if foot is None:
+                continue
+            seen = point_seen(body, foot)
+            for place, (begin, end), over, rate in zip(
+                seen[:2], (leg.x, leg.y), self._machine.overreach[:2], across, strict=True
+            ):
+                if abs(rate) > SLANT_MIN:
+                    ends = (place - end - over + SAFE) / rate, (place - begin + over - SAFE) / rate
+                    low = max(low, min(ends))
+                    high = min(high, max(ends))
+        if low <= high:
+            return low, high
+        middle = min(max((low + high) / 2.0, -OFFSET_MAX), OFFSET_MAX)
+        return middle, middle
+
+    def leverage(self, length: float) -> XY:
+        """How far the centre of gravity goes when the body sways by a metre: legs stay behind."""
+        sx, sy = self.side(length)
+        return sx * self.carries_along, sy * self.carries_along
+
+    def weight_at(self, when: Moment, aside: float, along: float) -> XY:
+        """Where the centre of gravity is above, with the body so far beside the reference."""
+        x, y, _, _ = self.at(when.length)
+        sx, sy = self.leverage(when.length)
+        return (
+            x + when.centre[0] + aside * sx + along * sy,
+            y + when.centre[1] + aside * sy - along * sx,
+        )
+
+    def margin_at(self, when: Moment, aside: float, along: float) -> float:
+        """That in the polygon after a leg has lifted, so far beside the reference."""
+        return polygon_margin(self.after, *self.weight_at(when, aside, along))
+
+    def turn_to_safety(self, margin: float) -> None:
+        """Where no offset across the course keeps the margin when a leg lifts, sway away from the
+        nearest edge instead, if that is better.
+        """
+        when = self.lifting(self.lift_length)
+        kept = self._best(when)
+        if not self.after or kept >= margin:
+            return
+        across = self.aside
+        nx, ny = nearest_edge_normal(self.after, *self.weight_at(when, 0.0, 0.0))
+        now = self.heading(0.0) + self.turning * when.length
+        self.aside = math.atan2(ny, nx) - now
+        if self._best(when) <= kept:
+            self.aside = across
+
+    def _best(self, when: Moment) -> float:
+        """The most margin an offset leaves when a leg lifts, m."""
+        low, high = self.bounds_at(when, self.after, OFFSET_MAX)
+        return max(self.margin_at(when, aside, 0.0) for aside in (low, high))
+
+    def _stretch(self, length: float) -> tuple[int, float]:
+        """The stretch a place lies on, and its share behind it."""
+        last = len(self.lengths) - 2
+        k = min(max(bisect_right(self.lengths, length) - 1, 0), last)
+        while k > 0 and self.lengths[k + 1] - self.lengths[k] <= STILL:
+            k -= 1
+        share = (length - self.lengths[k]) / max(self.lengths[k + 1] - self.lengths[k], STILL)
+        return k, min(max(share, 0.0), 1.0)
+
+
+def centre_over(machine: Machine, body: Body, feet: Sequence[Sequence[float]]) -> XY:
+    """The centre of gravity of body and legs from the body's own place, absolute axes."""
+    seen = [point_seen(body, (foot[0], foot[1], foot[2])) for foot in feet]
+    x, y, _ = centre_of_gravity(machine, seen)
+    return turned(x, y, body[3])
+
+
+def _feet_but(stance: Stance, legs: Collection[int]) -> list[Point | None]:
+    """The feet of a stance, without those of some legs."""
+    return [None if leg in legs else foot for leg, foot in enumerate(stance.feet)]
+
+
+def _carried_along(machine: Machine, body: Body, feet: Sequence[Sequence[float]]) -> float:
+    """By how much of a small sway of the body the centre of gravity goes with it."""
+    x, y, z, yaw = body
+    swayed = centre_over(machine, (x + NUDGE, y, z, yaw), feet)
+    return 1.0 + (swayed[0] - centre_over(machine, body, feet)[0]) / NUDGE
+
+
+def first_swing(phases: Sequence[Phase]) -> int | None:
+    """The first stretch in which a leg is in the air on its way."""
+    for k, phase in enumerate(phases):
+        if phase is not Phase.SUPPORT and phase is not Phase.SHIFT:
+            return k
+    return None
+
+
+def _lengths(body: Sequence[Body]) -> list[float]:
+    """How far the reference has come at every knot, m; a turn on the spot and a climb count too."""
+    out = [0.0]
+    for a, b in zip(body, body[1:], strict=False):
+        out.append(out[-1] + math.hypot(*(q - p for p, q in zip(a, b, strict=True))))
+    return out
+
+
+def _apart(lengths: Sequence[float]) -> list[int]:
+    """The places of a reference that are far enough from each other to say which way it goes."""
+    last = len(lengths) - 1
+    kept = [0]
+    for k in range(1, last):
+        if min(lengths[k] - lengths[kept[-1]], lengths[last] - lengths[k]) >= APART:
+            kept.append(k)
+    return [*kept, last]
+
+
+def _slopes(reference: Sequence[Body], lengths: Sequence[float]) -> list[XY]:
+    """Way along x and y per metre of length at every place: of the parabola through it and its
+    neighbours.
+    """
+    kept = [k for k in range(len(lengths)) if k == 0 or lengths[k] - lengths[k - 1] > STILL]
+    chords = [_chord(reference, lengths, a, b) for a, b in zip(kept, kept[1:], strict=False)] or [
+        (0.0, 0.0)
+    ]
+    inner = [
+        _mixed(
+            chords[k - 1],
+            chords[k],
+            (lengths[kept[k]] - lengths[kept[k - 1]])
+            / max(lengths[kept[k + 1]] - lengths[kept[k - 1]], STILL),
+        )
+        for k in range(1, len(chords))
+    ]
+    if inner:
+        first = _mixed(inner[0], chords[0], 2.0)
+        last = _mixed(inner[-1], chords[-1], 2.0)
+    else:
+        first = last = chords[0]
+    at_kept = [first, *inner, last]
+    out: list[XY] = []
+    n = -1
+    for k in range(len(lengths)):
+        n += k in kept
+        out.append(at_kept[min(n, len(at_kept) - 1)])
+    return out
+
+
+def _chord(reference: Sequence[Body], lengths: Sequence[float], a: int, b: int) -> XY:
+    way = lengths[b] - lengths[a]
+    return (
+        (reference[b][0] - reference[a][0]) / way,
+        (reference[b][1] - reference[a][1]) / way,
+    )
+
+
+def _mixed(one: XY, other: XY, share: float) -> XY:
+    """``share`` of the other and the rest of the one."""
+    return one[0] + share * (other[0] - one[0]), one[1] + share * (other[1] - one[1])

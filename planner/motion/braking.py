@@ -1,0 +1,170 @@
+"""How a body that walks comes to rest: on along its planned way, ever slower.
+
+A body with mass cannot stop dead: on a margin m its centre of gravity may slow down by g·m/h and no
+faster. The planned way keeps the margin at every place, so the body stays on it while it slows
+down, and goes straight on where the plan ends before it stands. Metres, seconds, absolute frame.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from ..geometry.transforms import Body
+from ..types import TICK, Phase, Point, Stance, StepPlan
+from .step_builder import changed
+from .swing import between
+from .swing_profile import cubic_between
+
+STANDS = 2e-3  # m/s; a body slower than this, or a foot it turns with, stands
+LEAST_SHARE = 0.3  # of the acceleration that is left for slowing down in a bend of the way
+SAME_TIME = 1e-6  # s
+STILL = (0.0, 0.0, 0.0)
+TICKS_MAX = 500  # of slowing down
+
+
+class Played(Protocol):
+    """A plan made ready to be evaluated."""
+
+    duration: float
+
+    def body_at(self, t: float) -> Body: ...
+
+    def velocity_at(self, t: float) -> Body: ...
+
+    def acceleration_at(self, t: float) -> float: ...
+
+
+class Braking(NamedTuple):
+    """A body's way to rest, tick by tick: where it is and its velocity, the last of them 0."""
+
+    body: Sequence[Body]
+    rates: Sequence[Body]
+
+    @property
+    def seconds(self) -> float:
+        """s until it stands."""
+        return TICK * (len(self.body) - 1)
+
+    def moved(self, dx: float, dy: float) -> Braking:
+        """The same from somewhere else, m."""
+        return Braking([(x + dx, y + dy, z, yaw) for x, y, z, yaw in self.body], self.rates)
+
+    def rest_of(self, stance: Stance) -> Stance:
+        """The stance with its body where it will stand."""
+        return replace(stance.at_rest(), body=self.body[-1])
+
+    def onto(self, plan: StepPlan) -> StepPlan:
+        """A plan whose body stands where this leads to, with the body on its way there."""
+        end = max(float(plan.times[-1]), self.seconds + TICK)
+        times = _apart({*plan.times.tolist(), *(TICK * k for k in range(len(self.body))), end})
+        feet = [_feet_at(plan, t) for t in times]
+        speeds = np.array([[speed for _, speed in row] for row in feet])
+        return changed(
+            plan,
+            times=np.array(times),
+            body=np.array([self._at(t, self.body) for t in times]),
+            feet=np.array([[place for place, _ in row] for row in feet]),
+            foot_rates=None if plan.foot_rates is None else speeds,
+            phases=tuple(
+                _phase_at(plan, (a + b) / 2) for a, b in zip(times, times[1:], strict=False)
+            ),
+            rates=np.array([self._at(t, self.rates) for t in times]),
+        )
+
+    def _at(self, t: float, rows: Sequence[Body]) -> Body:
+        k = min(int(t / TICK + 1e-9), len(rows) - 1)
+        after = rows[min(k + 1, len(rows) - 1)]
+        share = min(max(t / TICK - k, 0.0), 1.0)
+        x, y, z, yaw = (a + share * (b - a) for a, b in zip(rows[k], after, strict=True))
+        return x, y, z, yaw
+
+
+def _apart(times: set[float]) -> list[float]:
+    """Times in order, nearly equal ones once."""
+    out: list[float] = []
+    for t in sorted(times):
+        if not out or t - out[-1] > SAME_TIME:
+            out.append(t)
+    return out
+
+
+def _feet_at(plan: StepPlan, t: float) -> list[tuple[Point, Point]]:
+    """Where the plan has the feet at a time, and their velocities."""
+    times = plan.times.tolist()
+    k = min(max(bisect_right(times, t) - 1, 0), len(times) - 2)
+    seconds = max(times[k + 1] - times[k], SAME_TIME)
+    share = min((t - times[k]) / seconds, 1.0)
+    ends = zip(plan.feet[k].tolist(), plan.feet[k + 1].tolist(), strict=True)
+    if plan.foot_rates is None:
+        return [(between(a, b, share), STILL) for a, b in ends]
+    rates = zip(plan.foot_rates[k].tolist(), plan.foot_rates[k + 1].tolist(), strict=True)
+    return [
+        cubic_between(a, b, first, last, seconds, share)
+        for (a, b), (first, last) in zip(ends, rates, strict=True)
+    ]
+
+
+def _phase_at(plan: StepPlan, t: float) -> Phase:
+    times = plan.times.tolist()
+    return plan.phases[min(max(bisect_right(times, t) - 1, 0), len(plan.phases) - 1)]
+
+
+def braking(
+    plan: Played, t: float, pace: float, acceleration: float, yaw_length: float
+) -> Braking | None:
+    """From ``t`` of a plan that is played at ``pace`` to rest, slowing down by no more than
+    ``acceleration``, m/s²; None for a body that stands.
+    """
+    rates = [_scaled(plan.velocity_at(t), pace)]
+    if pace <= 0.0 or _speed(rates[0], yaw_length) <= STANDS:
+        return None
+    body = [plan.body_at(t)]
+    for _ in range(TICKS_MAX):
+        if pace <= 0.0:
+            break
+        speed = max(_speed(plan.velocity_at(t), yaw_length), STANDS)
+        bends = pace * pace * plan.acceleration_at(t)
+        left = math.sqrt(max(acceleration * acceleration - bends * bends, 0.0))
+        slower = max(0.0, pace - max(left, LEAST_SHARE * acceleration) * TICK / speed)
+        t += TICK * (pace + slower) / 2.0
+        if t > plan.duration:
+            break
+        pace = slower
+        body.append(plan.body_at(t))
+        rates.append(_scaled(plan.velocity_at(t), pace))
+    return _straight_on(Braking(body, rates), acceleration, yaw_length)
+
+
+def _straight_on(way: Braking, acceleration: float, yaw_length: float) -> Braking:
+    """The way gone on with straight until the body stands."""
+    body = list(way.body)
+    rates = list(way.rates)
+    speed = _speed(rates[-1], yaw_length)
+    for _ in range(TICKS_MAX):
+        if speed <= 0.0:
+            break
+        slower = max(0.0, speed - acceleration * TICK)
+        now = _scaled(rates[-1], slower / speed)
+        x, y, z, yaw = (
+            place + TICK * (a + b) / 2.0
+            for place, a, b in zip(body[-1], rates[-1], now, strict=True)
+        )
+        body.append((x, y, z, yaw))
+        rates.append(now)
+        speed = slower
+    rates[-1] = (0.0, 0.0, 0.0, 0.0)
+    return Braking(body, rates)
+
+
+def _speed(rate: Body, yaw_length: float) -> float:
+    return math.hypot(rate[0], rate[1], yaw_length * rate[3])
+
+
+def _scaled(rate: Body, factor: float) -> Body:
+    return rate[0] * factor, rate[1] * factor, rate[2] * factor, rate[3] * factor

@@ -1,0 +1,59 @@
+"""How fast a plan is played: at once as printed, and no faster than a body with mass can."""
+
+from dataclasses import replace
+
+import pytest
+
+from tests.planner.control.plans import AHEAD, execution, sensed, swing_plan
+from tests.planner.motion.test_body_sway import GAIT, walked
+from walking_console.planner.control.pacing import braking_from, braking_now, pace_for
+from walking_console.planner.types import TICK, Command
+
+
+def test_it_goes_as_fast_as_commanded_within_what_the_step_was_planned_for():
+    run = execution()
+    run.play(replace(swing_plan(), speed=0.1, speed_max=0.15))
+    assert pace_for(run, AHEAD) == 1.0
+    assert pace_for(run, Command(0.0, 0.05)) == pytest.approx(0.5)
+    assert pace_for(run, Command(0.0, 9.0)) == pytest.approx(1.5)
+    run.play(replace(swing_plan(), speed=0.0))
+    assert pace_for(run, Command(0.0, 9.0)) == 1.0
+
+
+def swaying():
+    stance, _, plan = walked(0, 4)[3]
+    run = execution()
+    run.gait = GAIT
+    run.stance = stance
+    run.play(plan)
+    run.pace = 1.0
+    run.t = 0.3 * run.tracker.duration
+    return run
+
+
+def test_a_swaying_body_changes_its_pace_no_faster_than_its_acceleration_allows():
+    run = swaying()
+    speed = abs(complex(*run.tracker.velocity_at(run.t)[:2]))
+    slower = pace_for(run, Command(0.0, 0.02))
+    assert 0.0 < (1.0 - slower) * speed <= run.acceleration * TICK * (1 + 1e-9)
+    for _ in range(200):
+        run.pace = pace_for(run, Command(0.0, 0.02))
+    assert run.pace == pytest.approx(0.02 / run.plan.speed)
+
+
+def test_a_straight_body_stops_dead_and_a_swaying_one_has_a_way_to_rest():
+    run = swaying()
+    x, y, z, yaw = run.tracker.body_at(run.t)
+    there = sensed(body=(x, y, z, 0.0, 0.0, yaw))
+    way = braking_now(run, there)
+    assert way is not None and way.body[0][:2] == pytest.approx((x, y))
+    moved = braking_from(run, replace(run.stance, body=(x + 0.003, y, z, yaw), sway=(0.0, 0.0)))
+    assert moved is not None and moved.body[0][0] == pytest.approx(x + 0.003)
+    run.gait = replace(GAIT, sways=False)
+    assert braking_now(run, there) is None
+
+
+def test_a_body_that_is_held_back_has_stopped_already():
+    run = swaying()
+    x, y, z, yaw = run.tracker.body_at(run.t)
+    assert braking_now(run, sensed(body=(x - 0.05, y, z, 0.0, 0.0, yaw))) is None

@@ -1,0 +1,75 @@
+"""A body that walks comes to rest along its plan, within what its margin allows."""
+
+import math
+
+import numpy as np
+import pytest
+
+from tests.planner.motion.test_body_sway import GAIT, TITAN, walked
+from walking_console.planner.control.tracking import TrajectoryTracker
+from walking_console.planner.motion.body_sway import bounds_of
+from walking_console.planner.motion.braking import Braking, braking
+from walking_console.planner.motion.step_builder import holding_plan
+from walking_console.planner.types import TICK, Phase
+
+STEPS = walked(45, 6)
+MOST = bounds_of(STEPS[0][0], GAIT).acceleration
+
+
+def stopped(step: int, share: float, pace: float = 1.0) -> tuple[TrajectoryTracker, float, Braking]:
+    tracker = TrajectoryTracker(STEPS[step][2])
+    t = share * tracker.duration
+    way = braking(tracker, t, pace, MOST, TITAN.yaw_length)
+    assert way is not None
+    return tracker, t, way
+
+
+@pytest.mark.parametrize("share", np.linspace(0.05, 0.99, 9))
+@pytest.mark.parametrize("step", [2, 3])
+def test_it_begins_where_the_plan_is_and_ends_at_rest(step, share):
+    tracker, t, way = stopped(step, share)
+    assert way.body[0] == tracker.body_at(t)
+    assert way.rates[0] == pytest.approx(tracker.velocity_at(t))
+    assert way.rates[-1] == (0.0, 0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("share", np.linspace(0.05, 0.99, 9))
+def test_it_slows_down_by_no_more_than_it_may_and_takes_no_longer_than_it_must(share):
+    tracker, t, way = stopped(3, share)
+    places = np.array(way.body)[:, :2]
+    slowing = np.hypot(*(np.diff(places, 2, axis=0) / TICK**2).T)
+    assert slowing.max(initial=0.0) <= 1.4 * MOST
+    vx, vy, _, _ = tracker.velocity_at(t)
+    assert way.seconds <= math.hypot(vx, vy) / (0.3 * MOST) + 2 * TICK
+
+
+def test_it_stays_on_the_planned_way_as_long_as_there_is_one():
+    tracker, t, way = stopped(3, 0.3)
+    planned = np.array([tracker.body_at(s)[:2] for s in np.linspace(t, tracker.duration, 2000)])
+    for x, y, _, _ in way.body:
+        assert np.hypot(planned[:, 0] - x, planned[:, 1] - y).min() < 1e-4
+
+
+def test_a_body_that_stands_needs_no_way_to_rest():
+    tracker = TrajectoryTracker(STEPS[3][2])
+    assert braking(tracker, 0.5, 0.0, MOST, TITAN.yaw_length) is None
+    held = TrajectoryTracker(holding_plan(STEPS[0][0]))
+    assert braking(held, 0.0, 1.0, MOST, TITAN.yaw_length) is None
+
+
+def test_laid_onto_a_plan_it_moves_the_body_and_leaves_the_feet():
+    _, _, way = stopped(3, 0.5)
+    still = holding_plan(way.rest_of(STEPS[3][0]))
+    plan = way.onto(still)
+    assert tuple(plan.body[0]) == pytest.approx(way.body[0])
+    assert tuple(plan.body[-1]) == pytest.approx(way.body[-1]) == still.end.body
+    assert np.ptp(plan.feet, axis=0).max() == 0.0 and set(plan.phases) == {Phase.SHIFT}
+    tracker = TrajectoryTracker(plan)
+    assert tracker.rests_from <= way.seconds + 1e-9 < tracker.duration
+
+
+def test_from_another_place_it_is_the_same_way():
+    _, _, way = stopped(3, 0.5)
+    moved = way.moved(0.1, -0.2)
+    assert moved.body[-1][:2] == pytest.approx((way.body[-1][0] + 0.1, way.body[-1][1] - 0.2))
+    assert moved.rates == way.rates
