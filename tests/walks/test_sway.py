@@ -17,9 +17,9 @@ def acceleration(log):
 def test_on_level_ground_the_margin_and_the_acceleration_are_kept_at_every_tick(tmp_path, angle):
     drive = f"drive=[{{t=0.0,crab_angle_deg={angle},speed=0.08}}]"
     walk = walked(tmp_path, "flat", *SWAY, drive, "end={time=30.0}")
-    assert min(step["planned_polygon_margin_min"] for step in walk.steps) >= 0.019
+    assert min(step["planned_polygon_margin_min"] for step in walk.steps) >= 0.02
     assert acceleration(walk.log).max() <= 0.25
-    assert walk.summary["mean_speed"] >= (0.9 if angle == 0.0 else 0.85) * 0.08
+    assert walk.summary["mean_speed"] >= (0.97 if angle == 0.0 else 0.77) * 0.08
 
 
 @pytest.mark.parametrize("name", ["river", "holes"])
@@ -33,3 +33,42 @@ def test_six_legs_keep_it_along_a_curve(tmp_path):
     walk = walked(tmp_path, "k-curve", *SWAY)
     assert walk.summary["result"] == "completed" and walk.summary["falls"] == 0
     assert min(step["planned_polygon_margin_min"] for step in walk.steps) >= 0.015
+
+
+def touch_speeds(walk):
+    """How fast every foot came down when its sole came on, m/s."""
+    log = walk.log
+    falling = -np.diff(log["feet"][..., 2], axis=0) / 0.02
+    on = ~log["contact"][:-1] & log["contact"][1:]
+    return falling[on]
+
+
+@pytest.mark.parametrize("name", ["flat", "rough", "stairs-up", "tripod"])
+def test_feet_come_down_softly_on_known_ground_and_the_body_has_no_jumps(tmp_path, name):
+    walk = walked(tmp_path, name, 'gait.body="sway"')
+    assert all(expected["pass"] for expected in walk.summary["expect"].values())
+    assert touch_speeds(walk).max() <= 0.15
+    most = 9.81 * 0.02 / (0.4 if name == "tripod" else 0.65)
+    assert acceleration(walk.log).max() <= most
+
+
+def test_a_stop_in_the_middle_of_a_step_is_as_short_as_the_acceleration_allows(tmp_path):
+    drive = "drive=[{t=0.0,speed=0.08},{t=7.3}]"
+    walk = walked(tmp_path, "flat", *SWAY, drive, "end={time=12.0}")
+    assert acceleration(walk.log).max() <= 0.25
+    speed = np.hypot(*np.diff(walk.log["body"][:, :2], axis=0).T) / 0.02
+    stands = np.nonzero(speed[365:] < 1e-6)[0][0] * 0.02
+    assert 0.2 <= stands <= 0.08 / (0.3 * 0.226) + 0.1
+    assert walk.summary["polygon_margin_min"] >= 0.015
+
+
+def test_no_foot_lands_within_a_centimetre_of_a_hole_unless_it_may(tmp_path):
+    for edge in (0.01, 0.0):
+        walk = walked(tmp_path, "holes", f"terrain.edge={edge}", "expect={}")
+        places = np.array([step["landing"][:2] for step in walk.steps if step["landing"]])
+        around = [
+            walk.ground_at(places + (dx, dy))
+            for dx in (-0.0099, 0.0099)
+            for dy in (-0.0099, 0.0099)
+        ]
+        assert np.isnan(around).any() == (edge == 0.0)
