@@ -89,8 +89,7 @@ class Execution:
         """A plan with smooth swings and shifts, unless walks are to be as printed."""
         if not (self.gait.sways and self.gait.smooth):
             return plan
-        known = legs_on_known_ground(plan, terrain)
-        return gentle(plan, self.machine, known, self.acceleration)
+        return gentle(plan, self.machine, legs_on_known_ground(plan, terrain), self.acceleration)
 
     def hold(self, stance: Stance) -> None:
         """Stand as it stands, from a step-switching point on."""
@@ -105,7 +104,7 @@ class Execution:
 
     @property
     def comes_to_rest(self) -> bool:
-        """True while the plan has the body still slow down."""
+        """True while the body is still to slow down."""
         return self.t < self.tracker.rests_from - END
 
     def time_ahead(self) -> tuple[float, float]:
