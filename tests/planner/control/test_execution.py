@@ -18,7 +18,7 @@ from tests.planner.control.plans import (
 )
 from walking_console.planner.config import Tolerances
 from walking_console.planner.control.execution import came_as_planned, feet_absolute
-from walking_console.planner.types import Command, Phase
+from walking_console.planner.types import Phase
 
 
 def test_a_machine_that_stands_as_expected_is_the_expected_stance_itself():
