@@ -11,6 +11,7 @@ import asyncio
 import hmac
 import ipaddress
 import logging
+import re
 from collections.abc import Iterable
 from http.cookies import CookieError, SimpleCookie
 
@@ -43,13 +44,15 @@ SECURITY_HEADERS = {
 log = logging.getLogger(__name__)
 
 
+HOST = re.compile(r"(?:\[([0-9a-f:.%]+)\]|([^\[\]:]+?)\.?)(?::[0-9]{1,5})?")
+
+
 def host_name(host: str) -> str:
-    """``name`` of ``name:port``, ``[v6]:port`` or ``name``, in lower case."""
-    host = host.strip().lower()
-    if host.startswith("["):
-        return host[1 : host.find("]")] if "]" in host else ""
-    name = host.rsplit(":", 1)[0] if host.count(":") == 1 else host
-    return name.removesuffix(".")
+    """``name`` of ``name:port``, ``[v6]:port`` or ``name``, in lower case; '' where it is none of
+    them from its first letter to its last.
+    """
+    whole = HOST.fullmatch(host.strip().lower())
+    return (whole[1] or whole[2]) if whole else ""
 
 
 def is_address(name: str) -> bool:

@@ -162,7 +162,7 @@ def test_a_switch_and_a_key_let_the_body_follow_the_ground(address: str, page: P
 def test_space_stops_for_everybody_until_it_is_released(address: str, page: Page) -> None:
     page.mouse.click(440, 300)
     page.keyboard.press("Space")
-    until(page, lambda: now(address)["stopped"])
+    until(page, lambda: now(address)["stopped"] and page.inner_text("#stop-text") == "RELEASE")
     key_until(page, "w", lambda: page.locator("#toast").is_visible())
     assert now(address)["speed_m_s"] == 0.0
     page.keyboard.up("w")

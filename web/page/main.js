@@ -52,7 +52,6 @@ const series = new TimeSeries();
 const decisions = new DecisionPanel();
 const stick = new Joystick(drive);
 const world = new WorldControls(letGo);
-const ownFiles = new OwnFiles(letGo);
 const postures = new PostureControls(pose);
 const viewMenu = new ViewMenu(scene, series);
 const brushes = new Brushes(scene);
@@ -289,6 +288,7 @@ function hearSnapshot(s) {
   showTab();
 }
 
+new OwnFiles(letGo);
 drawTicks();
 chooseTopSpeed();
 wireButtons();

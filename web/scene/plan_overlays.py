@@ -232,7 +232,7 @@ def _bar_across(start: Floats, end: Floats) -> Floats:
 
 def foothold_rings(footholds: Sequence[Landing]) -> Segments:
     """A level ring round every foothold, as line segments."""
-    rim = np.column_stack([circle(RING, RING_CORNERS), np.full(RING_CORNERS, LIFT)])
+    rim = np.column_stack([circle(RING, RING_CORNERS), np.full(RING_CORNERS, LANDING_LIFT)])
     middles = np.array([foothold[:3] for foothold in footholds]).reshape(-1, 3)
     start = middles[:, None] + rim
     pieces = np.stack([start, np.roll(start, -1, axis=1)], axis=2)
