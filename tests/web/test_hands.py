@@ -140,7 +140,9 @@ def test_a_stop_is_not_released_while_the_stick_is_held(address: str, page: Page
     until(page, lambda: not now(address)["stopped"])
 
 
-@pytest.mark.parametrize("size", [(320, 568), (360, 225), (390, 844), (844, 390), (1024, 768)])
+@pytest.mark.parametrize(
+    "size", [(320, 568), (360, 225), (390, 844), (844, 390), (900, 620), (1024, 768)]
+)
 def test_stop_and_stick_are_on_the_screen_at_every_size(
     visit: Visit, size: tuple[int, int]
 ) -> None:
