@@ -66,7 +66,7 @@ class SmallBuffers(WebSocketsSansIOProtocol):
         self.transport.abort()  # a close would wait until the client reads
 
 
-class PatientOnlyWithAsking(H11Protocol):
+class TimedHttp(H11Protocol):
     """uvicorn's HTTP, for clients that ask: a connection without a whole request head for
     ``FIRST_REQUEST_TIME`` s is cut, and where there are too many, sooner.
     """
@@ -124,7 +124,7 @@ def config_for(app: Any) -> ConsoleConfig:
     return ConsoleConfig(
         app,
         loop="asyncio",
-        http=PatientOnlyWithAsking,
+        http=TimedHttp,
         ws=SmallBuffers,
         ws_max_size=SOCKET_FRAME_MAX,
         ws_per_message_deflate=False,
