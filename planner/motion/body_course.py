@@ -60,8 +60,13 @@ class Course:
         self.lengths = [lengths[k] for k in kept]
         self.lift_length = lengths[lift]  # behind the body when a leg lifts, m
         self._slopes = _slopes(self.reference, self.lengths)
+        self._begins = self.heading(0.0)
+        turn = math.remainder(self.heading(self.length) - self._begins, 2.0 * math.pi)
+        # how much the axes of the sway turn per metre of the reference's length, rad
+        self.turning = turn / max(self.length, STILL)
+        self._bends = [self._bend_of(k) for k in range(len(self.lengths) - 1)]
         # of the centre of gravity from the body when a leg lifts, and at the end, absolute axes
-        self.centre_at_lift, self.centre_at_end = centres
+        self.centres = centres
         self.carries_along = carries_along
         self._machine = machine
         self._standing = standing  # the feet that stand before, and after, a leg lifts
@@ -131,18 +136,15 @@ class Course:
             per_metre[3],
         )
 
-    @property
-    def turning(self) -> float:
-        """How much the axes of the sway turn per metre of the reference's length, rad."""
-        turn = math.remainder(self.heading(self.length) - self.heading(0.0), 2.0 * math.pi)
-        return turn / max(self.length, STILL)
-
     def bend(self, length: float) -> float:
         """How much the course itself turns per metre of its length there, rad."""
-        k, _ = self._stretch(length)
+        return self._bends[self._stretch(length)[0]]
+
+    def _bend_of(self, k: int) -> float:
+        """That of the stretch after place k."""
         begin, end = self.lengths[k], self.lengths[k + 1]
         turn = math.remainder(self.heading(end) - self.heading(begin), 2.0 * math.pi)
-        return turn * self.flat(length) / max(end - begin, STILL)
+        return turn * self.flat((begin + end) / 2.0) / max(end - begin, STILL)
 
     def heading(self, length: float) -> float:
         """Absolute direction of the course there, rad."""
@@ -160,16 +162,16 @@ class Course:
         """Direction in which the body sways there, absolute frame: to the left of its course, which
         is taken to turn evenly from its beginning to its end.
         """
-        return direction(self.heading(0.0) + self.turning * length + self.aside)
+        return direction(self._begins + self.turning * length + self.aside)
 
     def lifting(self, length: float) -> Moment:
         """A leg lifts after a length of the reference."""
-        return Moment(length, self.centre_at_lift, self._standing[0])
+        return Moment(length, self.centres[0], self._standing[0])
 
     @property
     def landing(self) -> Moment:
         """The step ends."""
-        return Moment(self.length, self.centre_at_end, self._standing[1])
+        return Moment(self.length, self.centres[1], self._standing[1])
 
     def bounds_at(self, when: Moment, polygon: Polygon, margin: float, along: float = 0.0) -> XY:
         """The offsets at which the body keeps a margin in a polygon, when it is so far ``along``
@@ -230,7 +232,7 @@ class Course:
             return
         across = self.aside
         nx, ny = nearest_edge_normal(self.after, *self.weight_at(when, 0.0, 0.0))
-        now = self.heading(0.0) + self.turning * when.length
+        now = self._begins + self.turning * when.length
         self.aside = math.atan2(ny, nx) - now
         if self._best(when) <= kept:
             self.aside = across
@@ -242,10 +244,7 @@ class Course:
 
     def _stretch(self, length: float) -> tuple[int, float]:
         """The stretch a place lies on, and its share behind it."""
-        last = len(self.lengths) - 2
-        k = min(max(bisect_right(self.lengths, length) - 1, 0), last)
-        while k > 0 and self.lengths[k + 1] - self.lengths[k] <= STILL:
-            k -= 1
+        k = min(max(bisect_right(self.lengths, length) - 1, 0), len(self.lengths) - 2)
         share = (length - self.lengths[k]) / max(self.lengths[k + 1] - self.lengths[k], STILL)
         return k, min(max(share, 0.0), 1.0)
 

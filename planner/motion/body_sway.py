@@ -428,7 +428,7 @@ def _gates(
     side = course.leverage(course.length)
     for support in ahead:
         places = ((support.lift, support.at_lift), (support.land, support.at_land))
-        dx, dy = course.centre_at_end
+        dx, dy = course.landing.centre
         for time, (x, y) in places:
             bounds = lateral_bounds(support.polygon, x + dx, y + dy, side, margin)
             _add(keys, last + time, bounds)
