@@ -19,7 +19,6 @@ from .activities import PLACING, Activity, Event
 from .encounter import ContactEvent, Encounter, FootState, Situation, ceiling, motion
 from .execution import feet_absolute
 from .feelers import Feelers, Touch, felt_towards, hangs_over_towards
-from .plan_job import WANTED
 from .touch_memory import CellSet, Felt, cell_of, cells_ahead, cells_near, edge_cells
 from .walk_state import Now, WalkState
 
@@ -78,12 +77,22 @@ class ContactReflexes:
         self._run.pace = 1.0
 
     def _meet(self, touch: Touch, airborne: Sequence[int], now: Now) -> None:
-        """The body stops in this tick; what the foot does next is the table's to say."""
+        """The body stops in this tick; what the foot does next is the table's to say. The hit calls
+        Level B at once (H §9.3); the other cases when they search.
+        """
+        self._state.job.forget()
+        self._state.job.shake.dismiss()
+        if touch.event is ContactEvent.HIT:
+            self._call()
         self._learn(touch, now)
         self._waiting = tuple(leg for leg in airborne if leg != touch.leg)
         self._stranded = ()
         self._begin(touch, now)
-        self._state.job.flags = WANTED
+
+    def _call(self) -> None:
+        """F1 and F3 are set at the same time: the answer is passed on as soon as there is one."""
+        self._state.job.shake.call()
+        self._state.job.shake.want()
 
     def _begin(self, touch: Touch, now: Now) -> None:
         if touch.event is not ContactEvent.LEFT:
@@ -133,7 +142,10 @@ class ContactReflexes:
             return self._see_to_next(now)
         here = self._state.brought_to_rest(now)
         if encounter.state is FootState.SEARCH:
+            self._call()
             answer = self._searched(encounter, here, bearing, now.terrain)
+            self._state.job.shake.complete()
+            self._state.job.shake.receive()
             found = isinstance(answer, StepPlan)
             encounter = encounter.after(ContactEvent.FOUND if found else ContactEvent.NOTHING)
         else:

@@ -2,8 +2,7 @@
 ready.
 
 While step k is walked, step k+1 is planned from the stance expected at N_{k+1} (H §4.4), a few
-slices a tick. Flags as in H §9.3: F1 Level C has called for a plan, F2 the plan is ready, F3 Level
-C wants it now.
+slices a tick. Flags as in H §9.3 (``handshake``).
 """
 
 from __future__ import annotations
@@ -16,13 +15,7 @@ from ..geometry.transforms import direction
 from ..protocols import Planner, PlanningJob
 from ..terrain.map import TerrainMap
 from ..types import Blocked, Command, Stance, StepPlan
-
-Flags = tuple[bool, bool, bool]  # F1, F2, F3
-
-IDLE: Flags = (False, False, False)
-ASKED: Flags = (True, False, False)
-READY: Flags = (False, True, False)
-WANTED: Flags = (True, False, True)
+from .handshake import Flags, Handshake
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,7 +35,7 @@ class PlanJob:
     def __init__(self, planner: Planner, yaw_length: float, settings: Planning) -> None:
         self.planner = planner
         self.settings = settings
-        self.flags = IDLE
+        self.shake = Handshake()
         self.asked: Question | None = None
         self.refused: tuple[Command, TerrainMap] | None = None
         self._yaw_length = yaw_length
@@ -51,6 +44,11 @@ class PlanJob:
         # a step planned to its end for a command much like this one
         self._spare: tuple[Command, StepPlan] | None = None
         self._waited = 0  # ticks Level C has waited for the step
+
+    @property
+    def flags(self) -> Flags:
+        """F1, F2, F3 of H §9.3."""
+        return self.shake.flags
 
     @property
     def ready(self) -> StepPlan | None:
@@ -74,7 +72,7 @@ class PlanJob:
             self.asked = Question(stance, command, terrain)
             self._job = self.planner.plan(stance, command, terrain)
             self._ready = None
-            self.flags = ASKED
+            self.shake.call()
         if self._ready is None:
             self._go_on(slices)
 
@@ -114,6 +112,7 @@ class PlanJob:
         do.
         """
         slices = self.settings.slices_wanted
+        self.shake.want()
         self.consider(stance, command, terrain, slices)
         self._waited += 1
         if self._waited >= self.settings.wait_max and self.answer(command) is None:
@@ -150,7 +149,7 @@ class PlanJob:
         except StopIteration as done:
             self._ready = done.value
             self._job = None
-            self.flags = READY
+            self.shake.complete()
 
     def forget(self) -> None:
         """Nothing is asked for and nothing is ready."""
@@ -160,10 +159,12 @@ class PlanJob:
         self._spare = None
 
     def begun(self) -> None:
-        """The step that was ready has begun: the next one is to be asked for."""
+        """The step that was ready has begun: the next one is called for."""
+        self.shake.complete()  # of a step kept for a command alike Level B works on another
+        self.shake.receive()
         self.forget()
         self._waited = 0
-        self.flags = ASKED
+        self.shake.call()
 
     def rest(self, keep_job: bool = False) -> None:
         """Level C stands and wants no step; a job under way may be gone on with."""
@@ -171,4 +172,4 @@ class PlanJob:
         self._waited = 0
         if not keep_job:
             self.forget()
-            self.flags = IDLE
+            self.shake.dismiss()

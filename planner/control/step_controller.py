@@ -64,6 +64,7 @@ class StepController:
         if not isinstance(answer, StepPlan) and self._state.slow_down(stance):
             return min(left, self._run.tracker.duration)
         if answer is None:  # not planned yet: hold on standing feet
+            self._job.shake.want()
             self._state.rest(stance, keep_job=stance is stance.at_rest())
             return 0.0
         return self._begin(answer, stance, left, now.command)

@@ -16,8 +16,9 @@ from ..types import Blocked, Command, Mode, Phase, Point, Sensing, Stance, StepP
 from .activities import RESUMED, STILL, Activity
 from .contact_reflexes import ContactReflexes
 from .execution import END, Execution
+from .handshake import Flags
 from .pacing import pace_for
-from .plan_job import Flags, PlanJob
+from .plan_job import PlanJob
 from .posture_controller import Layout, PostureController
 from .sole_watch import SoleWatch
 from .step_controller import StepController
@@ -181,6 +182,7 @@ class GaitSupervisor:
         """Decide for one tick: foot velocities in body axes, m/s, in leg order."""
         state = self.state
         state.executed = None
+        self.job.shake.begin_tick()
         command = self._heed(command)
         if self.run.compliant is not None:
             sensing = self.run.compliant.believed(sensing)

@@ -41,6 +41,7 @@ class Recorder:
         self._legs = LegLog(simulation.world.machine)
         self._flags = bytearray()  # contact n, support n, mode
         self._steps = array("i")
+        self._shakes = bytearray()  # F1 to F3, and their changes in the tick
         self._hashes = array("Q")
         self._was_fallen = False
         self._step_began = 0
@@ -75,6 +76,8 @@ class Recorder:
         self._legs.note(simulation)
         self._flags += flags
         self._steps.append(walk.steps_begun)
+        shake = walk.job.shake
+        self._shakes += bytes((*shake.flags, shake.changes))
         self._hashes.append(int.from_bytes(self.hash, "little"))
         self.margin_min = min(self.margin_min, margins.longitudinal)
         if walk.executed is not None:
@@ -129,6 +132,7 @@ class Recorder:
         n, rows = self.legs, self.ticks
         floats = np.frombuffer(self._floats, dtype=np.float64).reshape(rows, 13 + 3 * n)
         flags = np.frombuffer(bytes(self._flags), dtype=np.uint8).reshape(rows, 2 * n + 1)
+        shakes = np.frombuffer(bytes(self._shakes), dtype=np.uint8).reshape(rows, 4)
         return {
             "t": floats[:, 0],
             "body": floats[:, 1:7],
@@ -140,6 +144,8 @@ class Recorder:
             "contact": flags[:, :n].astype(bool),
             "support": flags[:, n : 2 * n].astype(bool),
             "mode": flags[:, 2 * n].astype(np.int8),
+            "flags": shakes[:, :3].astype(bool),
+            "handshake": shakes[:, 3],
             "step": np.frombuffer(self._steps, dtype=np.int32),
             "hash": np.frombuffer(self._hashes, dtype=np.uint64),
         }

@@ -76,6 +76,7 @@ export interface SnapshotFrame extends Command {
   speed_max_m_s: number;
   margin_m: number | null;
   polygon_margin_m: number | null;
+  flags: boolean[]; // F1, F2, F3 of H §9.3
   energy_margin_m: number | null;
   contact_margin_m: number | null;
   step: number;

@@ -57,6 +57,7 @@ export function showReadouts(s) {
   write("swing", s.swing.length && !STILL.includes(s.mode) ? s.swing.map(legTitle).join(", ") : "–");
   write("distance", s.distance_m.toFixed(2));
   write("time", clock(s.time_s));
+  write("flags", s.flags.map((set, k) => (set ? `F${k + 1}` : "·")).join(" "));
   write("late", (s.late_s * 1000).toFixed(s.late_s < 0.01 ? 1 : 0));
   showDirection(s);
   showSpeed(s);

@@ -13,7 +13,7 @@ from walking_console.planner.control.contact_reflexes import (
 )
 from walking_console.planner.control.encounter import FootState
 from walking_console.planner.control.execution import feet_absolute
-from walking_console.planner.control.plan_job import WANTED
+from walking_console.planner.control.handshake import WANTED
 from walking_console.planner.types import Reason
 
 GROUND = flat()

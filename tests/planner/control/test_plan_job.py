@@ -6,7 +6,8 @@ import pytest
 
 from tests.planner.control.plans import AHEAD, STANCE, TITAN, Scripted, flat, swing_plan
 from walking_console.planner.config import Planning
-from walking_console.planner.control.plan_job import ASKED, IDLE, READY, PlanJob
+from walking_console.planner.control.handshake import ASKED, IDLE, READY
+from walking_console.planner.control.plan_job import PlanJob
 from walking_console.planner.types import Blocked, Command, Reason
 
 GROUND = flat()
