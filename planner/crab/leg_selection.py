@@ -31,7 +31,7 @@ STANDING_LEG = StepRefusal.STANDING_LEG
 
 STILL = 1e-6  # m; less than this is no motion
 # m; a CoG this far outside an edge still counts as inside (a margin counts from -1 mm)
-SLACK = 0.0005
+SLACK = 1e-6
 
 Accepts = Callable[[Shift, Landing], StepRefusal | None]
 LegShift = tuple[int, Shift | StepRefusal]

@@ -7,10 +7,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..geometry.paths import EDGE
 from ..robot.model import Machine
-from ..terrain.grid import Window
+from ..terrain.grid import Window, spread_max
 from ..terrain.map import TerrainMap
 from ..types import Array
 from .lane import Lane
@@ -49,7 +50,7 @@ def allowed_cells(
     lane: Lane, terrain: TerrainMap, machine: Machine, thin: int
 ) -> tuple[Array, Array, Array]:
     """x, y and z (n,) of the centres of cells a foot may land on within reach of the lane, m; one
-    of ``thin`` x ``thin`` cells when thinned.
+    of ``thin`` x ``thin`` cells when thinned, and all that lie on a bank.
     """
     window = within_reach(lane, terrain, machine)
     parts = _parts(terrain, window, machine)
@@ -59,12 +60,30 @@ def allowed_cells(
     rows = rows + window[0].start
     columns = columns + window[1].start
     if thin > 1 and len(rows):
-        _, kept = np.unique((rows // thin) * terrain.columns + columns // thin, return_index=True)
+        kept = _thinned(rows, columns, terrain, window, thin)
         rows = rows[kept]
         columns = columns[kept]
     px = np.asarray(terrain.origin[0] + (columns + 0.5) * terrain.cell, dtype=np.float64)
     py = np.asarray(terrain.origin[1] + (rows + 0.5) * terrain.cell, dtype=np.float64)
     return px, py, np.asarray(terrain.heights[rows, columns], dtype=np.float64)
+
+
+def _thinned(
+    rows: NDArray[np.intp],
+    columns: NDArray[np.intp],
+    terrain: TerrainMap,
+    window: Window,
+    thin: int,
+) -> NDArray[np.intp]:
+    """Which of the cells (row, column) stay: one of every ``thin`` x ``thin``, and one of those
+    among them that lie beside a forbidden cell.
+    """
+    block = (rows // thin) * terrain.columns + columns // thin
+    _, kept = np.unique(block, return_index=True)
+    beside = spread_max(terrain.forbidden[window].astype(np.float64), 1) > 0.0
+    bank = np.flatnonzero(beside[rows - window[0].start, columns - window[1].start])
+    _, first = np.unique(block[bank], return_index=True)
+    return np.asarray(np.union1d(kept, bank[first]), dtype=np.intp)
 
 
 def is_open(lane: Lane, terrain: TerrainMap, machine: Machine) -> bool:

@@ -188,6 +188,9 @@ def predicting(
         if done:
             break
         yield
+    else:
+        if attempt.was_thinned:
+            yield from attempt.along(0.0, limit, limit, whole=True)
     return attempt.prediction(command, given)
 
 
@@ -239,6 +242,7 @@ class _Attempt:
         self.moves: tuple[Move, ...] = ()
         self.looked = 0
         self.torso_stops = False
+        self.was_thinned = False  # the last search saw only some of the footholds there are
 
     def in_the_open(self, count: int) -> Generator[None, None, None]:
         """Search on the trace, if the ground along it is level and all of it may be stepped on."""
@@ -249,16 +253,20 @@ class _Attempt:
         if self.rigid is not None and is_open(lane, self.terrain, self.machine):
             yield from self.along(0.0, count, count)
 
-    def along(self, aside: float, count: int, count_dense: int) -> Generator[None, None, bool]:
+    def along(
+        self, aside: float, count: int, count_dense: int, whole: bool = False
+    ) -> Generator[None, None, bool]:
         """Search with rows up to ``aside`` m beside the trace, meeting ``count`` states at most, or
-        ``count_dense`` where there is plenty of ground; True when there is no more to try.
+        ``count_dense`` where there is plenty of ground, which is thinned unless it is to be looked
+        at ``whole``; True when there is no more to try.
         """
         course = self.course
         terrain = self.terrain
         lane = lane_along(
             course.trace, course.window, self.stance, terrain, self.machine, self.gait, aside
         )
-        thin = thinning(lane, terrain, self.machine)
+        thin = 1 if whole else thinning(lane, terrain, self.machine)
+        self.was_thinned = thin > 1
         if thin > 1:
             # plenty of ground everywhere: what stops it is an edge, and going beside does not help
             count = count_dense

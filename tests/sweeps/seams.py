@@ -173,11 +173,64 @@ def stairs(seeds: range) -> Walks:
                     )
 
 
+def banks(seeds: range) -> Walks:
+    """H fig. 13 with its river at 41 places 2.5 cm apart, at its own crab angle and straight
+    ahead.
+    """
+    for mode in ("paper", "predictive"):
+        for degrees in (0, 16):
+            drive = f"drive=[{{t=0.0, crab_angle_deg={degrees}, speed=0.08}}]"
+            for place in range(41):
+                yield (
+                    "fig13",
+                    (f"mode={mode}", drive, f"terrain.at={1.2 + 0.025 * place}", "seed=1"),
+                )
+
+
+def rivers(seeds: range) -> Walks:
+    """Rivers of 0.30 to 0.60 m before the hexapod, 1 cm apart."""
+    for width in range(30, 61):
+        yield (
+            "river",
+            (
+                "robot=hexapod",
+                "planner=trace",
+                "end={time=120.0, distance=4.0}",
+                f"terrain.width={width / 100}",
+                "seed=1",
+            ),
+        )
+
+
+def noise(seeds: range) -> Walks:
+    """Sensors that scatter by 5 mm and 0.5 degrees, on four and six legs, flat and rough."""
+    for name in ("flat", "rough"):
+        for robot in (("robot=titan3",), ("robot=hexapod", "planner=trace")):
+            for seed in seeds:
+                scatter = "noise={position=0.005, posture_deg=0.5}"
+                yield name, (*robot, scatter, "end={time=60.0}", f"seed={seed}")
+
+
+def poles(seeds: range) -> Walks:
+    """Twelve poles on the map, before six legs."""
+    for seed in seeds:
+        yield (
+            "poles",
+            ("robot=hexapod", "planner=trace", "end={time=120.0, distance=5.0}", f"seed={seed}"),
+        )
+
+
+# settings that differ from walk to walk of one row
+VARIED = ("seed=", "terrain.at=")
 KINDS: dict[str, Callable[[range], Walks]] = {
     "predictions": predictions,
     "fields": fields,
     "walls": walls,
     "stairs": stairs,
+    "banks": banks,
+    "rivers": rivers,
+    "noise": noise,
+    "poles": poles,
 }
 
 
@@ -192,7 +245,7 @@ def main() -> None:
     for name, settings in KINDS[options.kind](range(options.first, options.first + options.seeds)):
         told = walk(name, *settings)
         print(name, *settings, told.line, flush=True)
-        kept = (each for each in settings if not each.startswith("seed="))
+        kept = (each for each in settings if not each.startswith(VARIED))
         rows.setdefault(" ".join((name, *kept)), []).append(told)
     for title, walks in rows.items():
         print("|", title, "|", summary(walks), "|")

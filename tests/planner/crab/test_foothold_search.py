@@ -71,6 +71,38 @@ def test_method_1_is_the_hyperbola_of_17():
                 assert domain.crossing(x, y) == pytest.approx((x + dx) / math.cos(angle), abs=1e-9)
 
 
+@pytest.mark.parametrize(("leg", "angle"), [(1, 0.3), (1, 0.6), (2, -0.3), (2, -0.6)])
+def test_errata_18_the_side_of_the_origin_is_the_wrong_one_for_leg_2_ahead_left_and_leg_3_right(
+    leg, angle
+):
+    """Printed: the tolerable points are on the origin's side of (18). By D_X(P) ≤ g_u(P), with the
+    y reach alone, they are on the other for leg 2, α > 0 and for leg 3, α < 0.
+    """
+    nominal, t = nominal_gait(TITAN, gait(), angle), math.tan(angle)
+    rng, found = np.random.default_rng(leg), 0
+    dy = -REACH.y0 if leg == 1 else REACH.y0
+    for _ in range(400):
+        feet = random_feet(rng)
+        fx, fy = feet[3] if leg == 1 else feet[0]
+        domain = domain_of(reaching(nominal, feet, 9.0), leg, 0.0, False)
+        x, y = feet[leg]
+        _, _, low, high = nominal.boxes[leg]
+        way = line_exit(x, y, (-9.0, 9.0, low, high), nominal.path.ux, nominal.path.uy)
+        crossing = domain.crossing(x, y)
+        if crossing < 0.0:
+            continue
+        found += 1
+        side = (y - x * t) * (y - fy + dy) > (fy - fx * t) * dy
+        side_of_origin = (fy - fx * t) * dy < 0.0
+        assert (crossing <= way) is not (side is side_of_origin)
+    assert found > 100
+
+
+def random_feet(rng):
+    """A foot anywhere in each leg's reach."""
+    return tuple((rng.uniform(*leg.x), rng.uniform(*leg.y)) for leg in TITAN.legs)
+
+
 def test_the_crossing_distance_is_where_the_course_meets_the_line():
     for _, nominal, posture, shift in cases(100):
         domain = domain_of(posture, shift.leg, shift.g, True)
