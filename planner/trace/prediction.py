@@ -273,7 +273,7 @@ class _Attempt:
         reachable = Reachability(lane, terrain, self.machine, thin=thin)
         for leg in range(len(self.machine.legs)):
             yield
-            reachable.find(leg)
+            yield from reachable.finding(leg)
         yield
         start = SupportState(_footing(reachable, self.stance, course.start), course.start)
         if not reachable.accept(start.feet, start.at):

@@ -8,22 +8,26 @@ margin inside their polygon. Both are kept as sets of samples (``samples``).
 from __future__ import annotations
 
 import math
+from collections.abc import Generator
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.paths import EDGE, Box
 from ..geometry.transforms import direction, directions, point_seen
+from ..protocols import run_to_completion
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
 from ..types import Array, Point
 from .clearance import Clearance
 from .footholds import AIR, Foothold, Footing, allowed_cells
 from .lane import Lane
+from .leg_clearance import LegClearance
 from .samples import SampleGrid
 from .stability_table import MARGIN, StabilityTable
 
 CHUNK = 64  # samples looked at together: wider wastes work on footholds far away
+LOOKED_AT = 16  # footholds whose legs are held against tall things between two yields
 SAME = 1e-9  # m; points this near are one
 
 
@@ -50,6 +54,7 @@ class Reachability:
         self.by_leg: list[list[int]] = [[] for _ in machine.legs]
         self.stability = StabilityTable(lane, self.samples, self.footholds, margin)
         self.clearance = Clearance(lane, self.samples, terrain, machine)
+        self.legs = LegClearance(lane, terrain, machine)
         self._cells = allowed_cells(lane, terrain, machine, thin)
         self._carries: dict[Footing, int] = {}
         self._valid: dict[Footing, int] = {}
@@ -64,6 +69,10 @@ class Reachability:
 
     def find(self, leg: int) -> None:
         """Find a leg's footholds and their existence segments."""
+        run_to_completion(self.finding(leg))
+
+    def finding(self, leg: int) -> Generator[None, None, None]:
+        """The same a little at a time, where there are tall things beside the legs."""
         px, py, pz = self._cells
         if not len(px):
             return
@@ -72,6 +81,16 @@ class Reachability:
         usable = np.nonzero(exists.any(axis=(1, 2)))[0]
         if not len(usable):
             return
+        if self.legs.matters:
+            for count, p in enumerate(usable.tolist(), 1):
+                if self.legs.is_near(float(px[p]), float(py[p])):
+                    foot = float(px[p]), float(py[p]), float(pz[p])
+                    exists[p] = self.legs.clear(leg, foot, exists[p])
+                if count % LOOKED_AT == 0:
+                    yield
+            usable = usable[exists[usable].any(axis=(1, 2))]
+            if not len(usable):
+                return
         masks = self.samples.pack_each(exists[usable])
         for p, mask in zip(usable.tolist(), masks, strict=True):
             self._add(leg, (float(px[p]), float(py[p]), float(pz[p])), mask)
