@@ -6,6 +6,7 @@ from ..geometry.transforms import Body
 from ..motion.body_sway import swayed
 from ..motion.swing_profile import legs_on_known_ground
 from ..protocols import Capabilities, Planner, PlannerError, PlannerSetup, PlanningJob
+from ..robot.separate_reach import separated
 from ..terrain.map import TerrainMap
 from ..types import Blocked, Command, GaitPreview, Stance, StepPlan
 from .expected_supports import expected_supports
@@ -37,7 +38,7 @@ class TracePlanner(Planner):
                 rigid = rigid_gait(name, setup.machine)
             else:
                 rigid = given_gait(name, setup.machine)
-            self.walk = TraceWalk(setup.machine, setup.gait, setup.path, rigid)
+            self.walk = TraceWalk(separated(setup.machine), setup.gait, setup.path, rigid)
         except ValueError as error:
             raise PlannerError(str(error)) from None
         self.walk.explain = setup.explain
