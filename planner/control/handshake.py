@@ -18,7 +18,7 @@ READY: Flags = (False, True, False)
 WANTED: Flags = (True, False, True)
 
 
-class Change(IntEnum):
+class FlagChange(IntEnum):
     """What happened to a flag; the value is its bit in the log."""
 
     CALLED = 0  # F1 is set
@@ -30,13 +30,13 @@ class Change(IntEnum):
 
 
 # Level C's word or Level B's: which flag it is about, and what becomes of it
-_EFFECT: dict[Change, tuple[int, bool]] = {
-    Change.CALLED: (0, True),
-    Change.COMPLETED: (0, False),
-    Change.NOTIFIED: (1, True),
-    Change.TAKEN: (1, False),
-    Change.WANTED: (2, True),
-    Change.SUPPLIED: (2, False),
+_EFFECT: dict[FlagChange, tuple[int, bool]] = {
+    FlagChange.CALLED: (0, True),
+    FlagChange.COMPLETED: (0, False),
+    FlagChange.NOTIFIED: (1, True),
+    FlagChange.TAKEN: (1, False),
+    FlagChange.WANTED: (2, True),
+    FlagChange.SUPPLIED: (2, False),
 }
 
 
@@ -53,32 +53,32 @@ class Handshake:
 
     def call(self) -> None:
         """Level C asks Level B for a plan; what was ready for another question is not any more."""
-        self._happens(Change.TAKEN)
-        self._happens(Change.CALLED)
+        self._happens(FlagChange.TAKEN)
+        self._happens(FlagChange.CALLED)
 
     def complete(self) -> None:
         """Level B has an answer: its operation is over, and Level C is told."""
-        self._happens(Change.COMPLETED)
-        self._happens(Change.NOTIFIED)
+        self._happens(FlagChange.COMPLETED)
+        self._happens(FlagChange.NOTIFIED)
 
     def want(self) -> None:
         """Level C waits for the answer."""
-        self._happens(Change.WANTED)
+        self._happens(FlagChange.WANTED)
 
     def receive(self) -> None:
         """Level C has the answer. Raises ``RuntimeError`` when Level B has given none."""
         if not self.flags[1]:
             raise RuntimeError("Level C receives what Level B has not notified: F2 is not set")
-        self._happens(Change.WANTED)
-        self._happens(Change.TAKEN)
-        self._happens(Change.SUPPLIED)
+        self._happens(FlagChange.WANTED)
+        self._happens(FlagChange.TAKEN)
+        self._happens(FlagChange.SUPPLIED)
 
     def dismiss(self) -> None:
         """Level C wants no plan any more."""
-        for change in (Change.COMPLETED, Change.TAKEN, Change.SUPPLIED):
+        for change in (FlagChange.COMPLETED, FlagChange.TAKEN, FlagChange.SUPPLIED):
             self._happens(change)
 
-    def _happens(self, change: Change) -> None:
+    def _happens(self, change: FlagChange) -> None:
         flag, to = _EFFECT[change]
         if self.flags[flag] is to:
             return

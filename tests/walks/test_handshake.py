@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from walking_console.planner.control.handshake import Change
+from walking_console.planner.control.handshake import FlagChange
 from walking_console.planner.types import Mode
 
 from .telling import walked
 
-ALL_SIX = (1 << len(Change)) - 1
+ALL_SIX = (1 << len(FlagChange)) - 1
 
 
-def has(walk, change: Change) -> np.ndarray:
+def has(walk, change: FlagChange) -> np.ndarray:
     return (walk.log["handshake"] >> change & 1).astype(bool)
 
 
@@ -29,9 +29,9 @@ def test_every_flag_is_what_its_changes_have_made_of_it(by_touch) -> None:
     flags = by_touch.log["flags"]
     for k, (sets, resets) in enumerate(
         [
-            (Change.CALLED, Change.COMPLETED),
-            (Change.NOTIFIED, Change.TAKEN),
-            (Change.WANTED, Change.SUPPLIED),
+            (FlagChange.CALLED, FlagChange.COMPLETED),
+            (FlagChange.NOTIFIED, FlagChange.TAKEN),
+            (FlagChange.WANTED, FlagChange.SUPPLIED),
         ]
     ):
         before = np.concatenate([[False], flags[:-1, k]])
@@ -46,7 +46,7 @@ def test_at_a_step_switching_point_level_c_receives_and_calls_for_the_next(by_to
     walks = by_touch.log["mode"][:-1] != Mode.STAND
     begun = np.flatnonzero((np.diff(step) > 0) & walks) + 1
     assert begun.size > 5
-    for change in (Change.TAKEN, Change.SUPPLIED, Change.CALLED):
+    for change in (FlagChange.TAKEN, FlagChange.SUPPLIED, FlagChange.CALLED):
         assert has(by_touch, change)[begun].all()
     assert not flags[begun, 2].any()  # it waits for nothing while it walks
 
@@ -58,7 +58,7 @@ def test_a_hit_calls_and_wants_at_once_until_the_encounter_is_over(by_touch) -> 
     called = [k for k in begins if flags[k].tolist() == [True, False, True]]
     assert called and by_touch.summary["emergent"]["hit"] <= len(called)
     for k in called:
-        assert has(by_touch, Change.CALLED)[k] and has(by_touch, Change.WANTED)[k]
+        assert has(by_touch, FlagChange.CALLED)[k] and has(by_touch, FlagChange.WANTED)[k]
 
 
 def test_a_landing_that_is_searched_for_passes_through_all_six_changes(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ from walking_console.planner.control.handshake import (
     IDLE,
     READY,
     WANTED,
-    Change,
+    FlagChange,
     Handshake,
 )
 
@@ -20,15 +20,15 @@ def test_in_normal_motion_the_step_is_called_for_completed_notified_wanted_and_r
     shake = Handshake()
     assert shake.flags == IDLE
     shake.call()
-    assert shake.flags == ASKED and shake.changes == bits(Change.CALLED)
+    assert shake.flags == ASKED and shake.changes == bits(FlagChange.CALLED)
     shake.begin_tick()
     shake.complete()
     assert shake.flags == READY
-    assert shake.changes == bits(Change.COMPLETED, Change.NOTIFIED)
+    assert shake.changes == bits(FlagChange.COMPLETED, FlagChange.NOTIFIED)
     shake.begin_tick()
     shake.receive()
     assert shake.flags == IDLE
-    assert shake.changes == bits(Change.WANTED, Change.TAKEN, Change.SUPPLIED)
+    assert shake.changes == bits(FlagChange.WANTED, FlagChange.TAKEN, FlagChange.SUPPLIED)
 
 
 def test_level_c_that_waits_shows_f1_and_f3_and_is_supplied_when_level_b_is_done():
@@ -40,7 +40,7 @@ def test_level_c_that_waits_shows_f1_and_f3_and_is_supplied_when_level_b_is_done
     assert shake.flags == (False, True, True)
     shake.receive()
     assert shake.flags == IDLE
-    assert shake.changes == bits(*Change)
+    assert shake.changes == bits(*FlagChange)
 
 
 def test_what_was_ready_for_another_question_is_taken_back():
@@ -58,7 +58,7 @@ def test_a_flag_that_is_as_it_should_be_does_not_change():
     shake.call()
     assert shake.changes == 0
     shake.dismiss()
-    assert shake.flags == IDLE and shake.changes == bits(Change.COMPLETED)
+    assert shake.flags == IDLE and shake.changes == bits(FlagChange.COMPLETED)
 
 
 def test_what_was_not_notified_cannot_be_received():
