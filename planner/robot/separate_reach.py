@@ -12,7 +12,7 @@ from itertools import combinations
 
 from .model import Leg, Machine
 
-Limits = tuple[float, float]
+AxisSpan = tuple[float, float]
 
 
 def separated(machine: Machine) -> Machine:
@@ -38,11 +38,11 @@ def _cut_apart(a: Leg, b: Leg) -> tuple[Leg, Leg]:
     return replace(a, y=one), replace(b, y=other)
 
 
-def _overlap(a: Limits, b: Limits) -> float:
+def _overlap(a: AxisSpan, b: AxisSpan) -> float:
     return min(a[1], b[1]) - max(a[0], b[0])
 
 
-def _halves(a: Limits, b: Limits) -> tuple[Limits, Limits]:
+def _halves(a: AxisSpan, b: AxisSpan) -> tuple[AxisSpan, AxisSpan]:
     """Two spans that overlap, each up to the middle of the overlap."""
     middle = (max(a[0], b[0]) + min(a[1], b[1])) / 2.0
     if a[0] + a[1] <= b[0] + b[1]:

@@ -178,8 +178,7 @@ def test_the_block_is_found_by_touch_mapped_and_the_walk_ends_in_the_standard_ga
     walk = told("fig19")
     assert walk.summary["emergent"].get("hit", 0) >= 1
     terrain = walk.terrain
-    learnt = terrain["believed_forbidden"]
-    rows, columns = np.nonzero(learnt)
+    rows, columns = np.nonzero(terrain["believed_heights"] > 0.05)
     x = terrain["origin"][0] + (columns + 0.5) * terrain["cell"]
     block = walk.summary["scenario"]["terrain"]
     assert ((x > block["at"] - 0.1) & (x < block["at"] + 0.2)).any()  # at its near edge
