@@ -29,7 +29,7 @@ CELL_MIN, CELL_MAX = 0.005, 1.0  # m
 ROWS_MAX = 2000  # of heights in a scenario, and of heights in each
 SEED_MAX = 2**63 - 1
 
-CellSize = Annotated[float, Field(ge=CELL_MIN, le=1000.0)]
+CellSize = Annotated[float, Field(ge=CELL_MIN, le=10_000.0)]
 
 
 class GroundError(ValueError):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import os
+import warnings
 import zipfile
 from pathlib import Path
 from typing import IO, Any
@@ -101,17 +102,18 @@ def _cell_of(small: dict[str, Any]) -> tuple[float, float] | None:
             return side, side
     if small.get("dx") is not None and small.get("dy") is not None:
         return _number(small["dx"]), _number(small["dy"])
-    x = next((small[name] for name in X_NAMES if small.get(name) is not None), None)
-    y = next((small[name] for name in Y_NAMES if small.get(name) is not None), None)
-    return None if x is None or y is None else (_step(x), _step(y))
+    x = next((name for name in X_NAMES if small.get(name) is not None), None)
+    y = next((name for name in Y_NAMES if small.get(name) is not None), None)
+    return None if x is None or y is None else (_step(small[x], x), _step(small[y], y))
 
 
-def _step(places: Any) -> float:
-    """The even step between places, m; NaN-free and above 0, or refused."""
+def _step(places: Any, name: str) -> float:
+    """The step between places, even or, of degrees, in the mean; above 0, or refused."""
     steps = np.abs(np.diff(np.asarray(places, dtype=np.float64).ravel()))
-    if not len(steps) or not steps[0] > 0.0 or np.ptp(steps) > 1e-3 * steps[0]:
-        raise GroundError("its columns and rows are not evenly spaced")
-    return float(steps[0])
+    even = len(steps) and steps.min() > 0.0 and np.ptp(steps) <= 1e-3 * steps[0]
+    if not even and not (name.startswith(("lon", "lat")) and len(steps) and steps.mean() > 0.0):
+        raise GroundError(f"its columns and rows are not evenly spaced ({name})")
+    return float(steps[0] if even else steps.mean())
 
 
 def _runs_down(places: Any) -> bool:
@@ -143,7 +145,9 @@ def _header(file: IO[bytes]) -> tuple[tuple[int, ...], Any]:
     read_header = readers.get(version)
     if read_header is None:
         raise GroundError(f"unknown .npy version {version[0]}.{version[1]}")
-    shape, _, dtype = read_header(file, max_header_size=HEADER_MAX)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # of files that Python 2 has written
+        shape, _, dtype = read_header(file, max_header_size=HEADER_MAX)
     return tuple(shape), dtype
 
 
@@ -165,7 +169,9 @@ def _array(file: IO[bytes], size: int) -> Any:
     if size < file.tell() + count * dtype.itemsize:
         raise GroundError(f"the file ends before its {count} numbers do")
     file.seek(0)
-    array = npy.read_array(file, allow_pickle=False, max_header_size=HEADER_MAX)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)
+        array = npy.read_array(file, allow_pickle=False, max_header_size=HEADER_MAX)
     return array.reshape(_squeezed(shape))
 
 
