@@ -18,6 +18,7 @@ from .lane import Lane
 
 DENSE = 16  # footholds a leg's rectangle may hold before the ground is thinned out
 COARSE = 1.25  # times the pitch that DENSE footholds have; cells of open ground beyond are divided
+PLENTY = 0.5  # of the ground; with less a rigid gait seldom finds its footholds
 AIR = -1  # in a footing: this leg is in the air
 
 Footing = tuple[int, ...]  # a foothold's number for every leg, AIR where there is none
@@ -53,7 +54,7 @@ def allowed_cells(
     of ``thin`` x ``thin`` cells when thinned, and all that lie on a bank.
     """
     window = within_reach(lane, terrain, machine)
-    parts = _parts(terrain, window, machine)
+    parts = _parts(terrain, machine)
     if parts > 1:
         return _divided(terrain, window, parts)
     rows, columns = np.nonzero(~terrain.forbidden[window])
@@ -86,16 +87,17 @@ def _thinned(
     return np.asarray(np.union1d(kept, bank[first]), dtype=np.intp)
 
 
-def is_open(lane: Lane, terrain: TerrainMap, machine: Machine) -> bool:
-    """Whether the ground is level and all of it within reach of the lane may be stepped on."""
-    return terrain.is_level and not terrain.forbidden[within_reach(lane, terrain, machine)].any()
+def is_plenty(lane: Lane, terrain: TerrainMap, machine: Machine) -> bool:
+    """Whether most of the ground within reach of the lane may be stepped on."""
+    patch = terrain.forbidden[within_reach(lane, terrain, machine)]
+    return bool(patch.size) and float(np.count_nonzero(patch)) <= (1.0 - PLENTY) * patch.size
 
 
-def _parts(terrain: TerrainMap, window: Window, machine: Machine) -> int:
-    """Into how many parts a cell is divided each way. Open level ground is one surface: how coarse
-    its map is does not say where a foot may stand. 1 anywhere else.
+def _parts(terrain: TerrainMap, machine: Machine) -> int:
+    """Into how many parts a cell is divided each way. Level ground is one surface: how coarse its
+    map is does not say where a foot may stand. 1 anywhere else.
     """
-    if not terrain.is_level or terrain.forbidden[window].any():
+    if not terrain.is_level:
         return 1
     area = max((leg.x[1] - leg.x[0]) * (leg.y[1] - leg.y[0]) for leg in machine.legs)
     pitch = math.sqrt(area / DENSE)
@@ -103,14 +105,29 @@ def _parts(terrain: TerrainMap, window: Window, machine: Machine) -> int:
 
 
 def _divided(terrain: TerrainMap, window: Window, parts: int) -> tuple[Array, Array, Array]:
-    """The centres of the parts of every cell of a window."""
+    """The centres of the parts of every cell of a window that may be stepped on; of a cell beside a
+    forbidden one its centre alone, where no sole reaches over the edge.
+    """
     (row, end_row), (column, end_column) = ((part.start, part.stop) for part in window)
     part = terrain.cell / parts
     x = terrain.origin[0] + (np.arange(column * parts, end_column * parts) + 0.5) * part
     y = terrain.origin[1] + (np.arange(row * parts, end_row * parts) + 0.5) * part
-    px, py = (np.asarray(grid.ravel(), dtype=np.float64) for grid in np.meshgrid(x, y))
-    level = float(terrain.heights[row, column]) if len(px) else 0.0
+    allowed = ~terrain.forbidden[window]
+    inner = allowed & ~_beside(terrain.forbidden, window)
+    whole = np.repeat(np.repeat(inner, parts, axis=0), parts, axis=1).ravel()
+    px, py = (grid.ravel()[whole] for grid in np.meshgrid(x, y))
+    rows, columns = np.nonzero(allowed & ~inner)
+    px = np.append(px, terrain.origin[0] + (columns + column + 0.5) * terrain.cell)
+    py = np.append(py, terrain.origin[1] + (rows + row + 0.5) * terrain.cell)
+    level = terrain.highest if len(px) else 0.0
     return px, py, np.full(len(px), level)
+
+
+def _beside(forbidden: NDArray[np.bool_], window: Window) -> NDArray[np.bool_]:
+    """True of the cells of a window that touch a forbidden one, if only at a corner."""
+    rows, columns = window
+    whole = np.pad(forbidden, 1)[rows.start : rows.stop + 2, columns.start : columns.stop + 2]
+    return np.asarray(np.lib.stride_tricks.sliding_window_view(whole, (3, 3)).any(axis=(2, 3)))
 
 
 def thinning(lane: Lane, terrain: TerrainMap, machine: Machine) -> int:

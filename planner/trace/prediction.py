@@ -16,7 +16,7 @@ from ..geometry.paths import SampledPath
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
 from ..types import Command, Gait, Point, Stance
-from .footholds import AIR, Footing, is_open, thinning
+from .footholds import AIR, Footing, is_plenty, thinning
 from .lane import ASIDE, TraceWindow, lane_along
 from .moves import Move, moves_along
 from .paths import joystick_trace, step_for
@@ -29,6 +29,7 @@ BODY_LENGTHS = 2.0  # how far ahead the global prediction looks, K
 RENEW = 1.0  # body lengths left ahead when it is made anew
 BACK = 0.5  # body lengths behind the machine it may go back to leave a blind alley
 LIMIT = 6_000  # states met on the trace itself; more finds little that its rows do not find sooner
+LIMIT_FAST = 2_000  # states met in looking for the fastest rigid gait; then the search goes free
 # states met beside the trace, some two seconds of search: less blocks on ground that can be crossed
 LIMIT_WIDE = 20_000
 SAME = 1e-3  # m; a foot this near to where the prediction has it is there
@@ -175,9 +176,9 @@ def predicting(
         course = _given_course(stance, trace, machine)
     given = trace is not None
     if rigid is None and not stance.lifted:
-        # a free gait may be any gait: where everything may be stepped on it is the fastest one
+        # a free gait may be any gait: where there is plenty of ground it is the fastest one
         fast = _Attempt(course, stance, terrain, machine, gait, fastest_gait(machine))
-        yield from fast.in_the_open(limit)
+        yield from fast.on_plenty(min(limit, LIMIT_FAST))
         if fast.path.complete:
             return fast.prediction(command, given)
     attempt = _Attempt(course, stance, terrain, machine, gait, rigid)
@@ -244,13 +245,13 @@ class _Attempt:
         self.torso_stops = False
         self.was_thinned = False  # the last search saw only some of the footholds there are
 
-    def in_the_open(self, count: int) -> Generator[None, None, None]:
-        """Search on the trace, if the ground along it is level and all of it may be stepped on."""
+    def on_plenty(self, count: int) -> Generator[None, None, None]:
+        """Search on the trace, if most of the ground along it may be stepped on."""
         course = self.course
         lane = lane_along(
             course.trace, course.window, self.stance, self.terrain, self.machine, self.gait, 0.0
         )
-        if self.rigid is not None and is_open(lane, self.terrain, self.machine):
+        if self.rigid is not None and is_plenty(lane, self.terrain, self.machine):
             yield from self.along(0.0, count, count)
 
     def along(

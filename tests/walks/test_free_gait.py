@@ -1,11 +1,14 @@
-"""The free gait where nothing is forbidden: it is free to walk as fast as any gait."""
+"""The free gait where there is plenty of ground: it is free to walk as fast as any gait."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from walking_console.planner.robot.model import as_data, load_machine
+from walking_console.server.toml_text import toml
 from walking_console.sim.runs.runner import run_scenario
 from walking_console.sim.scenario_files import load_scenario
 
@@ -21,4 +24,41 @@ def distance(*settings: str) -> float:
 @pytest.mark.parametrize("degrees", [0.0, 75.0])
 def test_on_open_ground_it_is_as_fast_as_the_tripod(robot: str, degrees: float) -> None:
     keys = (f"robot={robot}", f"drive=[{{t=0.0,speed=0.4,crab_angle_deg={degrees}}}]")
+    assert distance(*keys) >= 0.95 * distance(*keys, "gait.rigid=tripod")
+
+
+@pytest.mark.parametrize(
+    "terrain",
+    [
+        "{kind='holes',fraction=0.002,cell=0.1,seed=3}",
+        "{kind='holes',fraction=0.1,cell=0.1,seed=3}",
+        "{kind='rough',amplitude=0.03,seed=1}",
+        "{kind='slope',angle_deg=6.0}",
+    ],
+    ids=["one hole in reach", "a tenth of it holes", "rough", "a slope"],
+)
+def test_where_there_is_plenty_of_ground_it_is_as_fast_as_the_tripod(terrain: str) -> None:
+    keys = ("robot=hexapod", f"terrain={terrain}", "drive=[{t=0.0,speed=0.4}]")
+    assert distance(*keys) >= 0.95 * distance(*keys, "gait.rigid=tripod")
+
+
+def scaled(size: float) -> str:
+    """A hexapod of another size, every length with it, as a setting."""
+    robot: dict[str, Any] = as_data(load_machine("hexapod"))
+    robot["masses"] = None
+    for name in ("height", "foot_radius", "yaw_length", "lift_up", "lift_down"):
+        robot[name] *= size
+    for name in ("torso", "speed", "overreach"):
+        robot[name] = [value * size for value in robot[name]]
+    for leg in robot["legs"]:
+        for name in ("hip", "chain"):
+            leg.pop(name, None)
+        for axis in "xyz":
+            leg[axis] = [value * size for value in leg[axis]]
+    return toml({"robot": robot}).strip()
+
+
+@pytest.mark.parametrize("size", [0.4, 0.75, 1.6])
+def test_hexapods_of_other_sizes_are_as_fast_as_their_tripod(size: float) -> None:
+    keys = (scaled(size), f"drive=[{{t=0.0,speed={0.4 * size}}}]")
     assert distance(*keys) >= 0.95 * distance(*keys, "gait.rigid=tripod")

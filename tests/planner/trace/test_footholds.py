@@ -4,11 +4,13 @@ import numpy as np
 
 from tests.planner.trace.rollout import field_of, gait_of
 from walking_console.planner.robot.model import load_machine
+from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.trace.footholds import (
     AIR,
     DENSE,
     Foothold,
     allowed_cells,
+    is_plenty,
     legs_clear,
     thinning,
     within_reach,
@@ -69,3 +71,28 @@ def test_legs_are_clear_when_feet_are_two_radii_apart() -> None:
     assert not legs_clear(holds, (0, AIR), holds[1], 0.051)
     assert legs_clear(holds, (AIR, AIR), holds[1], 0.2)
     assert legs_clear(holds, (0, AIR), Foothold(0, 0.0, 0.0, 0.0, 9), 0.2), "its own foothold"
+
+
+def coarse(holes: bool) -> TerrainMap:
+    """Level ground in cells of 0.4 m, one of them a hole or not."""
+    heights = np.zeros((20, 20))
+    if holes:
+        heights[11, 12] = np.nan
+    return TerrainMap.from_heights(heights, 0.4, HEXAPOD, (-4.0, -4.0))
+
+
+def test_a_hole_in_a_coarse_map_takes_only_the_footholds_around_it() -> None:
+    whole, with_hole = (
+        set(zip(*(part.tolist() for part in allowed_cells(LANE, ground, HEXAPOD, 1)), strict=True))
+        for ground in (coarse(False), coarse(True))
+    )
+    gone = whole - with_hole
+    assert 0 < len(gone) < 0.5 * len(whole)
+    assert all(abs(x - 1.0) < 1.0 and abs(y - 0.6) < 1.0 for x, y, _ in gone)
+    assert all(coarse(True).allows(x, y) for x, y, _ in with_hole)
+
+
+def test_ground_is_plenty_as_long_as_half_of_it_may_be_stepped_on() -> None:
+    assert is_plenty(LANE, coarse(True), HEXAPOD)
+    assert is_plenty(LANE, field_of(0.7, 1, HEXAPOD), HEXAPOD)
+    assert not is_plenty(LANE, field_of(0.3, 1, HEXAPOD), HEXAPOD)
