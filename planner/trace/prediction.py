@@ -29,7 +29,6 @@ BODY_LENGTHS = 2.0  # how far ahead the global prediction looks, K
 RENEW = 1.0  # body lengths left ahead when it is made anew
 BACK = 0.5  # body lengths behind the machine it may go back to leave a blind alley
 LIMIT = 6_000  # states met on the trace itself; more finds little that its rows do not find sooner
-LIMIT_FAST = 2_000  # states met in looking for the fastest rigid gait; then the search goes free
 # states met beside the trace, some two seconds of search: less blocks on ground that can be crossed
 LIMIT_WIDE = 20_000
 SAME = 1e-3  # m; a foot this near to where the prediction has it is there
@@ -178,7 +177,7 @@ def predicting(
     if rigid is None and not stance.lifted:
         # a free gait may be any gait: where there is plenty of ground it is the fastest one
         fast = _Attempt(course, stance, terrain, machine, gait, fastest_gait(machine))
-        yield from fast.on_plenty(min(limit, LIMIT_FAST))
+        yield from fast.on_plenty(limit)
         if fast.path.complete:
             return fast.prediction(command, given)
     attempt = _Attempt(course, stance, terrain, machine, gait, rigid)

@@ -21,7 +21,7 @@ def distance(*settings: str) -> float:
 
 
 @pytest.mark.parametrize("robot", ["hexapod", "phantomx"])
-@pytest.mark.parametrize("degrees", [0.0, 75.0])
+@pytest.mark.parametrize("degrees", [0.0, 75.0, 90.0])
 def test_on_open_ground_it_is_as_fast_as_the_tripod(robot: str, degrees: float) -> None:
     keys = (f"robot={robot}", f"drive=[{{t=0.0,speed=0.4,crab_angle_deg={degrees}}}]")
     assert distance(*keys) >= 0.95 * distance(*keys, "gait.rigid=tripod")
