@@ -28,3 +28,21 @@ def test_six_legs_walk_level_ground_whatever_the_run_s_length(robot: str, degree
     short = distance_in(6.0, robot, degrees, 30.0)
     long = distance_in(6.0, robot, degrees, 3600.0)
     assert short > 0.2 and long > 0.8 * short
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("end", [30.0, 3600.0])
+@pytest.mark.parametrize(
+    ("robot", "planner", "speed"),
+    [("titan3", "crab", 0.08), ("hexapod", "trace", 0.2), ("phantomx", "trace", 0.06)],
+)
+def test_every_robot_walks_level_ground_every_15_degrees(
+    robot: str, planner: str, speed: float, end: float
+) -> None:
+    keys = (f"robot={robot}", f"planner={planner}", f"end={{time={end}}}")
+    for degrees in range(0, 360, 15):
+        drive = f"drive=[{{crab_angle_deg={float(degrees)},speed={speed}}}]"
+        simulation = Simulation(load_scenario("flat", (*keys, "expect={}", drive)))
+        simulation.drive(math.radians(degrees), speed)
+        simulation.run(seconds=10.0)
+        assert simulation.distance > 0.9 * 10.0 * speed, degrees
