@@ -2,8 +2,8 @@
 
 Prints::
 
-    19 footholds, the body at x = 3.03 m
-    7 of them beyond the ditch, the first at x = 2.28 m
+    22 footholds, the body at x = 3.12 m
+    10 of them beyond the ditch, the first at x = 2.28 m
 """
 
 import numpy as np

@@ -2,10 +2,10 @@
 
 Prints::
 
-    seed 1: completed, 15 steps in 27 s
-    seed 2: completed, 17 steps in 28 s
+    seed 1: completed, 15 steps in 28 s
+    seed 2: completed, 15 steps in 27 s
     seed 3: completed, 16 steps in 27 s
-    seed 4: completed, 14 steps in 26 s
+    seed 4: completed, 15 steps in 28 s
 """
 
 from walking_console import load_scenario, run_scenario

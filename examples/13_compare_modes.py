@@ -2,8 +2,8 @@
 
 Prints::
 
-    paper      completed: 74 mm/s, 38 steps
-    predictive completed: 80 mm/s, 30 steps
+    paper      completed: 77 mm/s, 36 steps
+    predictive completed: 79 mm/s, 30 steps
 """
 
 from walking_console import load_scenario, run_scenario

@@ -23,7 +23,6 @@ from walking_console.sim.simulation import Simulation
 from walking_console.sim.world import prepare
 
 SENSINGS = ("known", "eye", "none")
-KINEMATIC, BODIES = "kinematic", "physics"
 MILLI = 1e3
 
 

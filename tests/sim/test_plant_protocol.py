@@ -226,4 +226,5 @@ def test_sensors_that_scatter_and_are_late_do_not_stop_a_walk(name):
     simulation = Simulation(load_scenario("flat", (f"plant={name}", noise)))
     simulation.drive(speed=0.08)
     simulation.run(seconds=20.0)
-    assert simulation.distance > 1.5 and simulation.reason == ""
+    # no leg is lifted while a sole is off, so late readings cost up to a fifth of the 1.6 m
+    assert simulation.distance > 1.28 and simulation.reason == ""

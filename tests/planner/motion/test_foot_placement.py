@@ -75,7 +75,7 @@ def test_several_feet_come_down_at_once_and_one_without_ground_stays_lifted() ->
     terrain = TerrainMap(terrain.heights, forbidden, terrain.cell, terrain.origin)
     plan = place_feet(lifted(0, 3), (0, 3), terrain, HEXAPOD, GAIT)
     assert isinstance(plan, StepPlan)
-    assert plan.swing == (0,)
+    assert plan.swing == (0, 3)  # both off the ground while the plan lasts
     assert plan.end.lifted == (3,)
     assert plan.end.feet[3] == lifted(3).feet[3]
 
