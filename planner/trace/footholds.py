@@ -88,9 +88,15 @@ def _thinned(
 
 
 def is_plenty(lane: Lane, terrain: TerrainMap, machine: Machine) -> bool:
-    """Whether most of the ground within reach of the lane may be stepped on."""
-    patch = terrain.forbidden[within_reach(lane, terrain, machine)]
-    return bool(patch.size) and float(np.count_nonzero(patch)) <= (1.0 - PLENTY) * patch.size
+    """Whether most of the ground within reach of the lane may be stepped on. Of ground that is only
+    supposed, as by touch, one forbidden cell tells of more: there it must be open and level.
+    """
+    window = within_reach(lane, terrain, machine)
+    patch = terrain.forbidden[window]
+    barred = int(np.count_nonzero(patch))
+    if terrain.known is not None and not terrain.known[window].all():
+        return terrain.is_level and not barred
+    return patch.size > 0 and barred <= (1.0 - PLENTY) * patch.size
 
 
 def _parts(terrain: TerrainMap, machine: Machine) -> int:

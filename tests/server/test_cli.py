@@ -27,6 +27,7 @@ def test_a_run_writes_the_whole_run_directory(run_directory):
             "support": (200, 4), "margin": (200,), "polygon_margin": (200,), "command": (200, 3),
             "step": (200,), "mode": (200,), "hash": (200,), "capture_margin": (200,),
             "joints": (200, 4, 3), "loads": (200, 4), "planned_loads": (200, 4),
+            "flags": (200, 3), "handshake": (200,),
         }  # fmt: skip
         assert (
             log["contact"].dtype == bool

@@ -1,5 +1,7 @@
 """Where footholds of a trace walk may be."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from tests.planner.trace.rollout import field_of, gait_of
@@ -96,3 +98,12 @@ def test_ground_is_plenty_as_long_as_half_of_it_may_be_stepped_on() -> None:
     assert is_plenty(LANE, coarse(True), HEXAPOD)
     assert is_plenty(LANE, field_of(0.7, 1, HEXAPOD), HEXAPOD)
     assert not is_plenty(LANE, field_of(0.3, 1, HEXAPOD), HEXAPOD)
+
+
+def test_of_ground_that_is_only_supposed_one_forbidden_cell_is_too_many() -> None:
+    supposed = np.zeros(coarse(True).forbidden.shape, dtype=bool)
+    assert is_plenty(LANE, replace(coarse(False), known=supposed), HEXAPOD)
+    assert not is_plenty(LANE, replace(coarse(True), known=supposed), HEXAPOD)
+    sparse = field_of(0.7, 1, HEXAPOD)
+    known = np.zeros(sparse.forbidden.shape, dtype=bool)
+    assert not is_plenty(LANE, replace(sparse, known=known), HEXAPOD)
