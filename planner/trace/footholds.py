@@ -88,13 +88,14 @@ def _thinned(
 
 
 def is_plenty(lane: Lane, terrain: TerrainMap, machine: Machine) -> bool:
-    """Whether most of the ground within reach of the lane may be stepped on. Of ground that is only
-    supposed, as by touch, one forbidden cell tells of more: there it must be open and level.
+    """Whether most of the ground within reach of the lane may be stepped on. Where most of it is
+    only supposed, as by touch, one forbidden cell tells of more: it must be open and level.
     """
     window = within_reach(lane, terrain, machine)
     patch = terrain.forbidden[window]
     barred = int(np.count_nonzero(patch))
-    if terrain.known is not None and not terrain.known[window].all():
+    known = patch.size if terrain.known is None else int(np.count_nonzero(terrain.known[window]))
+    if known < PLENTY * patch.size:
         return terrain.is_level and not barred
     return patch.size > 0 and barred <= (1.0 - PLENTY) * patch.size
 
