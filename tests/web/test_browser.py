@@ -180,6 +180,7 @@ def test_a_second_finger_stops_while_the_first_drives(
     phone.wait_for_timeout(300)
     assert now(address)["stopped"] and now(address)["speed_m_s"] == 0.0
     fingers.lift(0)
+    phone.wait_for_timeout(500)  # a stop is released only once the stick is known to be at rest
     fingers.tap(1, "#stop")
     until(phone, lambda: not now(address)["stopped"])
 
