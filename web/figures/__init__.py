@@ -15,7 +15,7 @@ from typing import Any
 from walking_console.sim.scenario_files import load_scenario
 
 from .catalogue import FIGURES, CatalogueEntry
-from .run_data import FigureError, Recipe, RecordedWalk, read_walk, walk_recipe
+from .run_data import FigureError, Recipe, RecordedWalk, drawing_tools, read_walk, walk_recipe
 
 __all__ = ["FIGURES", "CatalogueEntry", "FigureError", "draw_figure", "outcome_lines"]
 
@@ -49,14 +49,9 @@ def draw_figure(name: str, out: Path, run: Path | None = None) -> list[str]:
 
 def _with_matplotlib(drawing: CatalogueEntry) -> tuple[Callable[..., Any], Callable[..., None]]:
     """What makes the sheet and what saves it; raises ``FigureError`` without matplotlib."""
-    try:
+    with drawing_tools():
         from . import sheets, speed_sheet
         from .style import save
-    except ModuleNotFoundError as error:
-        if error.name is None or not error.name.startswith("matplotlib"):
-            raise
-        extra = "pip install 'walking-console[figures]'"
-        raise FigureError(f"drawing needs matplotlib: {extra}") from None
     makers = {**vars(sheets), **vars(speed_sheet)}
     return makers[drawing.sheet], save
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -27,6 +29,18 @@ Values = NDArray[Any]
 
 class FigureError(ValueError):
     """A drawing that cannot be made; the message is one clear line."""
+
+
+@contextmanager
+def drawing_tools() -> Iterator[None]:
+    """Around the imports that need matplotlib: raises ``FigureError`` where it is not installed."""
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        if error.name is None or not error.name.startswith("matplotlib"):
+            raise
+        extra = "pip install 'walking-console[figures]'"
+        raise FigureError(f"drawing needs matplotlib: {extra}") from None
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from walking_console.sim.runs.sweep.folder import axes_of, read_asked
 from walking_console.sim.runs.sweep.grid import Axis
 from walking_console.sim.runs.sweep.table import axis_column, axis_type, read_table
 
-from .run_data import FigureError
+from .run_data import FigureError, drawing_tools
 
 Z = 1.96  # 95 %
 
@@ -63,14 +63,9 @@ def draw_sweep(folder: Path, out: Path, x: str | None = None, by: str | None = N
     Raises ``FigureError`` and ``RunError``.
     """
     rates = pass_rates(folder, x, by)
-    try:
+    with drawing_tools():
         from .style import save
         from .sweep_sheet import sweep_sheet
-    except ModuleNotFoundError as error:
-        if error.name is None or not error.name.startswith("matplotlib"):
-            raise
-        extra = "pip install 'walking-console[figures]'"
-        raise FigureError(f"drawing needs matplotlib: {extra}") from None
     save(sweep_sheet(rates), out)
     over = rates.x.key if rates.by is None else f"{rates.x.key} and {rates.by.key}"
     return f"pass rate over {over}, {rates.runs} runs: {out}"
