@@ -59,7 +59,7 @@ log = logging.getLogger(__name__)
 
 
 class RunRefused(Exception):
-    """A run that is not begun, with the HTTP status that says so."""
+    """A run or sweep that is not begun, with the HTTP status that says so."""
 
     def __init__(self, status: int, reason: str) -> None:
         super().__init__(reason)

@@ -13,6 +13,7 @@ from fastapi.responses import Response
 from starlette.exceptions import HTTPException as StarletteHTTPException
 
 from ..problems import ERRORS_SHOWN, problem
+from ..run_jobs import RunRefused
 
 OUTER_PLACES = ("body", "query", "path")  # what a fault's place begins with and nobody needs
 
@@ -44,6 +45,7 @@ def add_error_answers(app: FastAPI) -> None:
     """Answer every failure in a route of this app with problem+json."""
     app.add_exception_handler(RequestValidationError, _say_invalid)
     app.add_exception_handler(StarletteHTTPException, _say_refused)
+    app.add_exception_handler(RunRefused, _say_not_begun)
     app.add_exception_handler(Exception, _say_failed)
 
 
@@ -70,6 +72,11 @@ async def _say_refused(_: Request, error: Exception) -> Response:
     headers = dict(error.headers) if error.headers else None
     errors = error.errors if isinstance(error, HTTPProblem) else ()
     return problem(error.status_code, str(error.detail), errors, headers)
+
+
+async def _say_not_begun(_: Request, error: Exception) -> Response:
+    assert isinstance(error, RunRefused)
+    return problem(error.status, str(error))
 
 
 async def _say_failed(_: Request, error: Exception) -> Response:

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Depends, Query, Request, Response
 from fastapi import Path as PathPart
 from fastapi.responses import FileResponse
 
-from ..run_jobs import FILES, REPLAY, RunRefused
+from ..run_jobs import FILES, REPLAY
 from ..schemas import SHIPPED_NAME, RunBody, RunState
 from .errors import HTTPProblem
 from .scenario_choice import chosen_scenario
@@ -47,10 +47,7 @@ async def start(
     """Start a scripted headless run in a process of its own."""
     scenario = await asyncio.to_thread(chosen_scenario, body, state.uploads)
     name = body.name or scenario.name
-    try:
-        run_id = state.jobs.start(scenario.as_data(), name, trace_decisions=body.trace_decisions)
-    except RunRefused as error:
-        raise HTTPProblem(error.status, str(error)) from None
+    run_id = state.jobs.start(scenario.as_data(), name, trace_decisions=body.trace_decisions)
     response.headers["location"] = f"{request.scope['root_path']}/api/v1/runs/{run_id}"
     return state.jobs.state(run_id)
 

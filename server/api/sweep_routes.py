@@ -9,7 +9,6 @@ from fastapi import APIRouter, Depends, Request, Response
 from fastapi import Path as PathPart
 from fastapi.responses import FileResponse
 
-from ..run_jobs import RunRefused
 from ..schemas import SHIPPED_NAME, SweepBody, SweepState
 from ..sweep_jobs import CURVE, SWEEP_FILES
 from .errors import HTTPProblem
@@ -43,10 +42,7 @@ async def start(
 ) -> dict[str, Any]:
     """Walk every combination of settings for every seed, in processes of their own."""
     order = await asyncio.to_thread(sweep_order, body, state.uploads)
-    try:
-        sweep_id = state.sweeps.start(order)
-    except RunRefused as error:
-        raise HTTPProblem(error.status, str(error)) from None
+    sweep_id = state.sweeps.start(order)
     response.headers["location"] = f"{request.scope['root_path']}/api/v1/sweeps/{sweep_id}"
     return state.sweeps.state(sweep_id)
 
