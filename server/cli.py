@@ -291,8 +291,8 @@ def bench(
 @app.command(hidden=True)
 def draw_recording(snapshots: Path, out: Path) -> None:
     """Draw what the console has kept of a walk: what its child runs."""
-    from .live_recording import taken_out
     from .replay_page import write_replay
+    from .snapshot_files import taken_out
 
     kept = taken_out(snapshots)
     write_replay(kept, out, f"{kept[-1].scenario}: {kept[-1].machine.name}, {len(kept)} pictures")

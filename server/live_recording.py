@@ -4,12 +4,9 @@ memory, bounded in time and in bytes, written out as a replay page by a child.
 
 from __future__ import annotations
 
-import pickle
 import threading
 from collections import deque
-from collections.abc import Iterable
 from dataclasses import replace
-from pathlib import Path
 
 from walking_console.planner.types import TICK
 from walking_console.sim.snapshot import Snapshot, TerrainView
@@ -73,16 +70,3 @@ def _is_alike(last: Snapshot, snapshot: Snapshot) -> bool:
     same = kept.heights.shape == now.heights.shape and kept.cell == now.cell
     whole = int(last.time / GROUND_EVERY) == int(snapshot.time / GROUND_EVERY)
     return same and whole and last.time <= snapshot.time and last.scenario == snapshot.scenario
-
-
-def put_away(snapshots: Iterable[Snapshot], path: Path) -> None:
-    """Leave snapshots for a child of this program."""
-    with path.open("wb") as file:
-        pickle.dump(tuple(snapshots), file)
-
-
-def taken_out(path: Path) -> tuple[Snapshot, ...]:
-    """Snapshots that this program has left there."""
-    with path.open("rb") as file:
-        kept: tuple[Snapshot, ...] = pickle.load(file)
-    return kept

@@ -130,6 +130,8 @@ TABLE = {
     ),
     # And the recording that a replay page is made of.
     "walking_console.server.viser_recording": rule("viser msgspec zstandard"),
+    # And what leaves snapshots for the child that draws it.
+    "walking_console.server.snapshot_files": rule("walking_console.sim msgspec numpy"),
 }
 
 # Libraries that live in one place, so that they can be replaced there.

@@ -11,7 +11,8 @@ from fastapi import APIRouter, Query
 from fastapi.responses import HTMLResponse
 
 from ..child_process import start_child
-from ..live_recording import EVERY, KEPT_SECONDS, put_away
+from ..live_recording import EVERY, KEPT_SECONDS
+from ..snapshot_files import put_away
 from .errors import HTTPProblem
 from .replays import DRAW_TIME
 from .run_routes import REPLAY_POLICY

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
-import numpy as np
 import pytest
 
 from walking_console.planner.types import TICK
 from walking_console.server import live_recording
-from walking_console.server.live_recording import EVERY, LiveRecording, put_away, taken_out
+from walking_console.server.live_recording import EVERY, LiveRecording
 from walking_console.sim.simulation import Simulation
 from walking_console.sim.snapshot import Snapshot, TerrainView
 from walking_console.sim.world import World
@@ -76,12 +74,3 @@ def test_the_oldest_go_when_their_grounds_take_too_much(
     kept = recording.last(600.0)
     assert len({id(each.terrain) for each in kept}) == 3
     assert kept[-1].tick == 498 and kept[0].tick >= 350
-
-
-def test_snapshots_come_back_as_they_were_put_away(newest: Snapshot, tmp_path: Path) -> None:
-    simulation_time = at(newest, 6)
-    put_away([newest, simulation_time], tmp_path / "kept")
-    first, second = taken_out(tmp_path / "kept")
-    assert (first.tick, second.tick, second.machine.name) == (newest.tick, 6, "titan3")
-    np.testing.assert_array_equal(second.terrain.heights, newest.terrain.heights)
-    assert first.terrain is second.terrain
