@@ -23,8 +23,8 @@ UPLOAD_TIME = 120.0  # s a file may take
 JSON_DEPTH_MAX = 32  # brackets within brackets
 NUMBER_MAX = 64  # characters of one number: a float has 24
 LOADS_AT_ONCE = 1  # worlds being made
-DRAWS_AT_ONCE = 1  # replays of runs being drawn
-REPLAYS_ASKED_MAX = 8  # requests that wait for one
+DRAWS_AT_ONCE = 1  # replays of runs being drawn, and curves of sweeps
+DRAWINGS_ASKED_MAX = 8  # requests that wait for one
 
 # WebSockets
 

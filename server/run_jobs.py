@@ -75,6 +75,8 @@ class ChildJobs:
     results: ClassVar[str]  # the folders below the data folder
     given: ClassVar[str]
     files: ClassVar[Mapping[str, str]]  # that may be read, with their media types
+    summary: ClassVar[str]  # the file that is there once it can be drawn
+    drawing: ClassVar[str]  # the file that is drawn when somebody asks
 
     def __init__(self, data: Path, queue: JobQueue) -> None:
         self.data = data.absolute()
@@ -82,6 +84,7 @@ class ChildJobs:
         self.folder = self.data / self.results
         self._given = self.data / self.given
         self._jobs: dict[str, Job] = {}
+        self.drawings = JobQueue(at_once=1)
 
     def _begin(self, name: str, words: Callable[[Path, Path], list[str]]) -> str:
         """Queue a child; ``words`` makes its arguments of its folder and of that of its results.
@@ -209,6 +212,28 @@ class ChildJobs:
         path = self.folder / job_id / name
         return path if path.is_file() and not path.is_symlink() else None
 
+    def draw(self, job_id: str, limit: float) -> None:
+        """Make the drawing of a finished one in a child; waits for it, at most ``limit`` s, so from
+        a worker thread, one at a time.
+        """
+        folder = self.folder / job_id
+        part = folder / f"part-{self.drawing}"
+        arguments = self._drawing_words(folder, part)
+        drawing = self.drawings.add(lambda: start_child(arguments, folder)).process
+        if drawing is None:
+            return  # the console ends
+        try:
+            drawing.wait(limit)
+        except subprocess.TimeoutExpired:
+            drawing.kill()
+        else:
+            if part.is_file() and drawing.returncode == 0:
+                os.replace(part, folder / self.drawing)
+
+    def _drawing_words(self, folder: Path, part: Path) -> list[str]:
+        """The command line that draws what is in ``folder`` to ``part``."""
+        raise NotImplementedError
+
 
 class RunJobs(ChildJobs):
     """Starts, lists and cancels runs."""
@@ -217,10 +242,8 @@ class RunJobs(ChildJobs):
     results = "runs"
     given = "jobs"
     files = FILES
-
-    def __init__(self, data: Path, queue: JobQueue) -> None:
-        super().__init__(data, queue)
-        self.drawings = JobQueue(at_once=1)  # of replays
+    summary = "run.json"
+    drawing = REPLAY
 
     def start(
         self, scenario: Mapping[str, Any], name: str, *, trace_decisions: bool = False
@@ -242,23 +265,8 @@ class RunJobs(ChildJobs):
         figures = {key: summary.get(key) for key in SUMMARY}
         return str(summary["result"]), str(summary.get("reason", "")), figures
 
-    def draw(self, run_id: str, limit: float) -> None:
-        """Draw ``replay.html`` of a finished run in a child; waits for it, at most ``limit`` s, so
-        from a worker thread, one at a time.
-        """
-        folder = self.folder / run_id
-        part = folder / f"{REPLAY}.part"
-        arguments = ["export", str(folder), "--to", "html", "--out", str(part)]
-        drawing = self.drawings.add(lambda: start_child(arguments, folder)).process
-        if drawing is None:
-            return  # the console ends
-        try:
-            drawing.wait(limit)
-        except subprocess.TimeoutExpired:
-            drawing.kill()
-        else:
-            if part.is_file() and drawing.returncode == 0:
-                os.replace(part, folder / REPLAY)
+    def _drawing_words(self, folder: Path, part: Path) -> list[str]:
+        return ["export", str(folder), "--to", "html", "--out", str(part)]
 
 
 def numbered(name: str, number: int) -> str:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import csv
 import shutil
-import subprocess
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,16 +15,16 @@ from typing import Any
 
 from walking_console.sim.runs.sweep.executors import cores
 
-from .child_process import start_child
 from .run_jobs import ChildJobs, read_json
 from .toml_text import toml
 
 CURVE = "pass-rate.svg"
 TABLE = "table.csv"
+SUMMARY = "sweep.json"
 SWEEP_FILES = {
     TABLE: "text/csv; charset=utf-8",
     "table.parquet": "application/vnd.apache.parquet",
-    "sweep.json": "application/json",
+    SUMMARY: "application/json",
     CURVE: "image/svg+xml",
 }
 
@@ -64,13 +63,15 @@ class SweepJobs(ChildJobs):
     results = "sweeps"
     given = "sweep-jobs"
     files = SWEEP_FILES
+    summary = SUMMARY
+    drawing = CURVE
 
     def start(self, order: SweepOrder) -> str:
         """Queue a sweep; answers its id, or raises ``RunRefused``."""
         return self._begin(order.name, order.words)
 
     def _result(self, job_id: str) -> tuple[str, str, dict[str, Any] | None] | None:
-        asked = read_json(self.folder / job_id / "sweep.json")
+        asked = read_json(self.folder / job_id / SUMMARY)
         passed = _passed(self.folder / job_id / TABLE)
         if asked is None or passed is None:
             return None
@@ -79,10 +80,8 @@ class SweepJobs(ChildJobs):
             return "completed", "", figures
         return *self._why_there_is_none(job_id), figures
 
-    def draw(self, sweep_id: str) -> subprocess.Popen[bytes]:
-        """A child that draws the pass rate of a sweep that is over."""
-        folder = self.folder / sweep_id
-        return start_child(["sweep", "plot", str(folder), "--out", str(folder / CURVE)], folder)
+    def _drawing_words(self, folder: Path, part: Path) -> list[str]:
+        return ["sweep", "plot", str(folder), "--out", str(part)]
 
 
 def _passed(path: Path) -> list[bool] | None:

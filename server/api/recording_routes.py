@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import subprocess
 import tempfile
 from pathlib import Path
 from typing import Annotated, Any
@@ -13,8 +14,8 @@ from fastapi.responses import HTMLResponse
 from ..child_process import start_child
 from ..live_recording import EVERY, KEPT_SECONDS
 from ..snapshot_files import put_away
+from .drawings import DRAW_TIME
 from .errors import HTTPProblem
-from .replays import DRAW_TIME
 from .run_routes import REPLAY_POLICY
 from .state import ConsoleState
 
@@ -58,7 +59,7 @@ def _drawn(folder: Path, snapshots: Any) -> bytes | None:
     child = start_child(["draw-recording", str(kept_in), str(out)], folder)
     try:
         child.wait(DRAW_TIME)
-    except Exception:
+    except subprocess.TimeoutExpired:
         child.kill()
         child.wait()
     return out.read_bytes() if out.is_file() and child.returncode == 0 else None

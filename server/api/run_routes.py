@@ -82,7 +82,7 @@ async def file(run_id: KnownRun, name: FileName, state: ConsoleState) -> FileRes
         raise HTTPProblem(404, there_are, field="name", value=name, limit=list(FILES))
     path = state.jobs.file(run_id, name)
     if path is None and name == REPLAY:
-        path = await state.replays.page_of(run_id)
+        path = await state.drawings.drawing_of(state.jobs, run_id)
     if path is None:
         raise HTTPProblem(404, f"run {run_id!r} has no {name} (yet)")
     headers = {"content-security-policy": REPLAY_POLICY} if name == REPLAY else None

@@ -31,8 +31,8 @@ from ..sweep_jobs import SweepJobs
 from ..uploaded_file import ReadUpload, understood
 from ..uploads import Uploads
 from ..viser_bridge import ViserBridge
+from .drawings import Drawings
 from .kept_world import KeptWorld
-from .replays import Replays
 
 STOPPED = "stopped"  # the file in the data folder that keeps a stop
 WORLD = "world.json"  # the file there that keeps the world last loaded
@@ -100,7 +100,7 @@ class AppState:
         self.kept_world = KeptWorld(settings.data / WORLD, disk)
         self.jobs = RunJobs(settings.data, JobQueue())
         self.sweeps = SweepJobs(settings.data, self.jobs.queue)
-        self.replays = Replays(self.jobs)
+        self.drawings = Drawings(self.jobs, self.sweeps)
         self.uploads = Uploads(settings.data, settings.read_upload)
         self.recording = LiveRecording()
         self.changes: ChangeSignal | None = None
@@ -131,7 +131,7 @@ class AppState:
             self.loop.on_publish = lambda: None
             self.lease.hold()
             await asyncio.to_thread(self.jobs.queue.stop)
-            await asyncio.to_thread(self.replays.stop)
+            await asyncio.to_thread(self.drawings.stop)
 
     def wake(self) -> None:
         """Let every page look again."""

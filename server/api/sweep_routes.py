@@ -12,10 +12,9 @@ from fastapi.responses import FileResponse
 from ..schemas import SHIPPED_NAME, SweepBody, SweepState
 from ..sweep_jobs import CURVE, SWEEP_FILES
 from .errors import HTTPProblem
-from .replays import DRAW_TIME
 from .run_routes import FileName, NewestOnly
 from .scenario_choice import sweep_order
-from .state import AppState, ConsoleState
+from .state import ConsoleState
 
 # words of the drawing are what somebody has typed
 DRAWING_POLICY = "sandbox; default-src 'none'; style-src 'unsafe-inline'"
@@ -75,20 +74,8 @@ async def file(sweep_id: KnownSweep, name: FileName, state: ConsoleState) -> Fil
         raise HTTPProblem(404, there_are, field="name", value=name, limit=list(SWEEP_FILES))
     path = state.sweeps.file(sweep_id, name)
     if path is None and name == CURVE:
-        path = await _drawn(state, sweep_id)
+        path = await state.drawings.drawing_of(state.sweeps, sweep_id)
     if path is None:
         raise HTTPProblem(404, f"sweep {sweep_id!r} has no {name} (yet)")
     headers = {"content-security-policy": DRAWING_POLICY} if name == CURVE else None
     return FileResponse(path, media_type=SWEEP_FILES[name], headers=headers)
-
-
-async def _drawn(state: AppState, sweep_id: str) -> Any:
-    """The drawing of a sweep that is over, made now."""
-    if state.sweeps.file(sweep_id, "sweep.json") is None:
-        return None
-    child = state.sweeps.draw(sweep_id)
-    try:
-        await asyncio.to_thread(child.wait, DRAW_TIME)
-    except Exception:
-        child.kill()
-    return state.sweeps.file(sweep_id, CURVE)

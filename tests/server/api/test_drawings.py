@@ -1,4 +1,4 @@
-"""A replay is drawn once, one at a time, and ends with the console."""
+"""A replay or curve is drawn once, one at a time, and ends with the console."""
 
 import sys
 from collections.abc import Iterator
@@ -11,11 +11,12 @@ from fastapi.testclient import TestClient
 
 from walking_console.server import child_process
 from walking_console.server.api.app import create_app
-from walking_console.server.api.replays import Replays
+from walking_console.server.api.drawings import Drawings
 from walking_console.server.api.state import AppSettings
-from walking_console.server.limits import REPLAYS_ASKED_MAX
+from walking_console.server.limits import DRAWINGS_ASKED_MAX
 from walking_console.server.realtime_loop import RealtimeLoop
 from walking_console.server.run_jobs import RunJobs
+from walking_console.server.sweep_jobs import SweepJobs
 
 HERE = "http://127.0.0.1:8000"
 SHORT = ["end={time=0.4}", "expect={}"]
@@ -67,7 +68,7 @@ def test_a_replay_that_is_being_drawn_ends_with_the_console(
     drawing.start()
     while not runs.drawings._working:
         drawing.join(0.01)
-    Replays(runs).stop()
+    Drawings(runs).stop()
     drawing.join(10.0)
     assert not drawing.is_alive()
     assert runs.file(run_id, "replay.html") is None
@@ -78,5 +79,32 @@ def test_no_more_wait_than_may(
 ) -> None:
     client, runs = running
     run_id = finished(client, runs)
-    monkeypatch.setattr(client.app.state.console.replays, "_asked", REPLAYS_ASKED_MAX)  # type: ignore[attr-defined]
+    monkeypatch.setattr(client.app.state.console.drawings, "_asked", DRAWINGS_ASKED_MAX)  # type: ignore[attr-defined]
     assert client.get(f"/api/v1/runs/{run_id}/replay.html").status_code == 429
+
+
+def test_a_curve_of_a_sweep_is_drawn_once_however_many_ask(
+    running: tuple[TestClient, RunJobs], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("matplotlib")
+    client, _ = running
+    sweeps = client.app.state.console.sweeps  # type: ignore[attr-defined]
+    settings = [*SHORT, "drive.0.speed=0.05,0.08"]
+    body = {"name": "flat", "settings": settings, "seeds": "1", "keep": "none"}
+    sweep_id = client.post("/api/v1/sweeps", json=body).json()["id"]
+    assert sweeps._jobs[sweep_id].process.wait(120) == 0
+    begun: list[str] = []
+    draw = SweepJobs.draw
+
+    def counted(self: SweepJobs, sweep_id: str, limit: float) -> None:
+        begun.append(sweep_id)
+        draw(self, sweep_id, limit)
+
+    monkeypatch.setattr(SweepJobs, "draw", counted)
+    with ThreadPoolExecutor(20) as many:
+        asked = many.map(
+            lambda _: client.get(f"/api/v1/sweeps/{sweep_id}/pass-rate.svg"), range(20)
+        )
+        statuses = {answer.status_code for answer in asked}
+    assert begun == [sweep_id]
+    assert statuses <= {200, 429} and 200 in statuses
