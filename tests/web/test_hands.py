@@ -140,9 +140,27 @@ def test_a_stop_is_not_released_while_the_stick_is_held(address: str, page: Page
     until(page, lambda: not now(address)["stopped"])
 
 
-@pytest.mark.parametrize(
-    "size", [(320, 568), (360, 225), (390, 844), (844, 390), (900, 620), (1024, 768)]
-)
+SIZES = [(320, 568), (360, 225), (390, 844), (844, 390), (900, 620), (1024, 768)]
+
+
+@pytest.mark.parametrize("size", [*SIZES, (1440, 900)])
+def test_stick_and_stop_stay_where_they_are_whatever_the_panels_say(
+    visit: Visit, size: tuple[int, int]
+) -> None:
+    page = visit(*size)
+    before = [page.locator(control).bounding_box() for control in ("#stop", "#stick")]
+    for panel in ("#why", "#mode", "#planner", "#crab"):
+        assert page.locator(panel).count() == 1
+        page.evaluate(
+            "(panel) => { const long = document.createElement('div');"
+            " long.textContent = 'so many words that it takes several lines '.repeat(9);"
+            " document.querySelector(panel).parentElement.append(long); }",
+            panel,
+        )
+    assert [page.locator(control).bounding_box() for control in ("#stop", "#stick")] == before
+
+
+@pytest.mark.parametrize("size", SIZES)
 def test_stop_and_stick_are_on_the_screen_at_every_size(
     visit: Visit, size: tuple[int, int]
 ) -> None:

@@ -52,6 +52,7 @@ export class Joystick {
     /** @type {number | null} */
     this.pointer = null;
     this.drag = { x: 0, y: 0 };
+    this.middle = { x: 0, y: 0 }; // px, of the pad where it was grabbed: it may move under the hand
     /** @type {Set<string>} */
     this.keys = new Set();
     this.slow = false;
@@ -182,6 +183,8 @@ export class Joystick {
     this.ignored.clear();
     this.presses++;
     this.pad.setPointerCapture(event.pointerId);
+    const box = this.pad.getBoundingClientRect();
+    this.middle = { x: box.left + box.width / 2, y: box.top + box.height / 2 };
     this.#move(event);
   }
 
@@ -214,9 +217,8 @@ export class Joystick {
 
   /** @param {PointerEvent} event */
   #move(event) {
-    const box = this.pad.getBoundingClientRect();
-    const x = -(event.clientY - box.top - box.height / 2) / this.#throw();
-    const y = -(event.clientX - box.left - box.width / 2) / this.#throw();
+    const x = -(event.clientY - this.middle.y) / this.#throw();
+    const y = -(event.clientX - this.middle.x) / this.#throw();
     const length = Math.hypot(x, y);
     const size = Math.min(Math.max((length - DEAD) / (1 - DEAD), 0), 1);
     // + 0 makes a plain zero of -0: straight back is then π, not -π
