@@ -47,13 +47,14 @@ def centre_of_gravity(machine: Machine, feet_b: Sequence[Point]) -> Point:
     """Of torso and legs, body axes, m, with every foot, standing or swinging, where it is."""
     masses = machine.masses
     whole = masses.torso
+    leg = masses.leg
     x, y, z = (masses.torso * part for part in masses.centre)
     for chain, foot in zip(machine.chains, feet_b, strict=True):
         lx, ly, lz = _moment_of_leg(chain, masses, foot)
         x += lx
         y += ly
         z += lz
-        whole += masses.leg
+        whole += leg
     return x / whole, y / whole, z / whole
 
 

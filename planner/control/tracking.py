@@ -277,9 +277,10 @@ def _bent_stretch(straight: PlanStretch, seconds: float, begin: Four, end: Four)
         return straight
     squares = []
     cubes = []
+    square = seconds * seconds
     for mean, first, last in zip(straight.rate, begin, end, strict=True):
         squares.append((3.0 * mean - 2.0 * first - last) / seconds)
-        cubes.append((first + last - 2.0 * mean) / (seconds * seconds))
+        cubes.append((first + last - 2.0 * mean) / square)
     bend = (_four(squares), _four(cubes))
     return straight._replace(rate=begin, bend=bend)
 
@@ -344,6 +345,8 @@ def _row(
     a: list[float], b: list[float], per_second: float
 ) -> tuple[float, float, float, float, float, float]:
     """Where a foot begins, and its velocity."""
+    if a == b:
+        return a[0], a[1], a[2], 0.0, 0.0, 0.0
     return (
         a[0],
         a[1],

@@ -10,10 +10,11 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections.abc import Collection, Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 from ..geometry.polygons import Polygon
-from ..geometry.transforms import XY, Body, Point, direction, point_seen, turned, turned_back
+from ..geometry.transforms import XY, Body, Point, direction, point_seen, turned_back
 from ..robot.model import Machine
 from ..stability import polygon_margin, support_polygon
 from ..statics import centre_of_gravity
@@ -21,6 +22,7 @@ from ..types import Phase, Stance, StepPlan
 from .body_path import OFFSET_MAX, lateral_bounds, meeting, nearest_edge_normal
 
 STILL = 1e-9  # m; a reference that goes no farther stands
+STRAIGHT = 1e-9  # m and rad that a straight reference may be off its line
 NUDGE = 0.01  # m
 SAFE = 0.002  # m of mechanical reach that is left
 SLANT_MIN = 0.05  # of the sway along an axis of the body; less is none
@@ -53,13 +55,16 @@ class Course:
         standing: tuple[Sequence[Point | None], Sequence[Point | None]],
     ) -> None:
         lengths = _lengths(reference)
-        kept = _apart(lengths)
+        kept = [0, len(lengths) - 1] if _is_even(reference, lengths) else _apart(lengths)
         self.reference = [reference[k] for k in kept]
         self.crab_angle = crab_angle
         self.before, self.after = polygons  # of the feet that carry before, and after, a leg lifts
         self.lengths = [lengths[k] for k in kept]
         self.lift_length = lengths[lift]  # behind the body when a leg lifts, m
-        self._slopes = _slopes(self.reference, self.lengths)
+        slopes = _slopes(self.reference, self.lengths)
+        means = _per_metre(self.reference, self.lengths)
+        # of every stretch: way along x and y per metre at its ends, and of x, y, z and yaw between
+        self._rates = list(zip(slopes, slopes[1:], means, strict=False))
         self._begins = self.heading(0.0)
         turn = math.remainder(self.heading(self.length) - self._begins, 2.0 * math.pi)
         # how much the axes of the sway turn per metre of the reference's length, rad
@@ -77,21 +82,17 @@ class Course:
         """That of a plan as it was decided."""
         legs = range(len(stance.feet))
         standing = support_polygon(stance.feet[leg] for leg in legs if leg not in stance.lifted)
-        swinging = (
-            ()
-            if first_swing(plan.phases) is None
-            else support_polygon(stance.feet[leg] for leg in legs if leg not in plan.swing)
-        )
+        first = first_swing(plan.phases)
+        swinging: Polygon = ()
+        if first is not None:
+            swinging = support_polygon(stance.feet[leg] for leg in legs if leg not in plan.swing)
         reference = [(b[0], b[1], b[2], b[3]) for b in plan.body.tolist()]
         feet = plan.feet.tolist()
-        first = first_swing(plan.phases)
         lift = first or 0
-        centres = (
-            centre_over(machine, reference[lift], feet[lift]),
-            centre_over(machine, reference[-1], feet[-1]),
-        )
+        lifting = centre_over(machine, reference[lift], feet[lift])
+        centres = lifting, centre_over(machine, reference[-1], feet[-1])
         lifts = len(plan.phases) if first is None else first
-        share = _carried_along(machine, reference[lift], feet[lift])
+        share = _carried_along(machine, reference[lift], feet[lift], lifting)
         on = _feet_but(stance, stance.lifted), _feet_but(stance, plan.swing)
         polygons = standing, swinging
         return cls(reference, plan.crab_angle, polygons, centres, lifts, share, machine, on)
@@ -103,37 +104,37 @@ class Course:
 
     def at(self, length: float) -> Body:
         """The reference after a length of it: a cubic over the ground, even in height and yaw."""
+        return self.motion(length)[0]
+
+    def slope(self, length: float) -> Body:
+        """Change of x, y, z and yaw per metre of the reference's length there."""
+        return self.motion(length)[1]
+
+    def motion(self, length: float) -> tuple[Body, Body]:
+        """Both of these at once."""
         k, share = self._stretch(length)
-        (ax, ay, az, ayaw), (bx, by, bz, byaw) = self.reference[k : k + 2]
-        (sx, sy), (ex, ey) = self._slopes[k : k + 2]
+        ax, ay, az, ayaw = self.reference[k]
+        bx, by, bz, byaw = self.reference[k + 1]
+        (sx, sy), (ex, ey), (onward, left_on, climb, turn) = self._rates[k]
         way = self.lengths[k + 1] - self.lengths[k]
         left = 1.0 - share
         ends = share * share * (1.0 + 2.0 * left)
         out = share * left * left * way
         back = -share * share * left * way
-        return (
+        middle = 6.0 * share * left
+        first = left * (left - 2.0 * share)
+        last = share * (share - 2.0 * left)
+        place = (
             ax + ends * (bx - ax) + out * sx + back * ex,
             ay + ends * (by - ay) + out * sy + back * ey,
             az + share * (bz - az),
             ayaw + share * (byaw - ayaw),
         )
-
-    def slope(self, length: float) -> Body:
-        """Change of x, y, z and yaw per metre of the reference's length there."""
-        k, share = self._stretch(length)
-        a, b = self.reference[k : k + 2]
-        (sx, sy), (ex, ey) = self._slopes[k : k + 2]
-        way = max(self.lengths[k + 1] - self.lengths[k], STILL)
-        left = 1.0 - share
-        middle = 6.0 * share * left
-        first = left * (left - 2.0 * share)
-        last = share * (share - 2.0 * left)
-        per_metre = [(q - p) / way for p, q in zip(a, b, strict=True)]
-        return (
-            middle * per_metre[0] + first * sx + last * ex,
-            middle * per_metre[1] + first * sy + last * ey,
-            per_metre[2],
-            per_metre[3],
+        return place, (
+            middle * onward + first * sx + last * ex,
+            middle * left_on + first * sy + last * ey,
+            climb,
+            turn,
         )
 
     def bend(self, length: float) -> float:
@@ -251,9 +252,14 @@ class Course:
 
 def centre_over(machine: Machine, body: Body, feet: Sequence[Sequence[float]]) -> XY:
     """The centre of gravity of body and legs from the body's own place, absolute axes."""
-    seen = [point_seen(body, (foot[0], foot[1], foot[2])) for foot in feet]
+    bx, by, bz, yaw = body
+    c, s = direction(yaw)
+    seen = [
+        (c * (fx - bx) + s * (fy - by), c * (fy - by) - s * (fx - bx), fz - bz)
+        for fx, fy, fz in feet
+    ]
     x, y, _ = centre_of_gravity(machine, seen)
-    return turned(x, y, body[3])
+    return c * x - s * y, s * x + c * y
 
 
 def _feet_but(stance: Stance, legs: Collection[int]) -> list[Point | None]:
@@ -261,11 +267,15 @@ def _feet_but(stance: Stance, legs: Collection[int]) -> list[Point | None]:
     return [None if leg in legs else foot for leg, foot in enumerate(stance.feet)]
 
 
-def _carried_along(machine: Machine, body: Body, feet: Sequence[Sequence[float]]) -> float:
-    """By how much of a small sway of the body the centre of gravity goes with it."""
+def _carried_along(
+    machine: Machine, body: Body, feet: Sequence[Sequence[float]], centre: XY
+) -> float:
+    """By how much of a small sway of the body the centre of gravity goes with it; it is at
+    ``centre`` from the body before.
+    """
     x, y, z, yaw = body
     swayed = centre_over(machine, (x + NUDGE, y, z, yaw), feet)
-    return 1.0 + (swayed[0] - centre_over(machine, body, feet)[0]) / NUDGE
+    return 1.0 + (swayed[0] - centre[0]) / NUDGE
 
 
 def first_swing(phases: Sequence[Phase]) -> int | None:
@@ -279,9 +289,39 @@ def first_swing(phases: Sequence[Phase]) -> int | None:
 def _lengths(body: Sequence[Body]) -> list[float]:
     """How far the reference has come at every knot, m; a turn on the spot and a climb count too."""
     out = [0.0]
-    for a, b in zip(body, body[1:], strict=False):
-        out.append(out[-1] + math.hypot(*(q - p for p, q in zip(a, b, strict=True))))
+    for a, b in pairwise(body):
+        out.append(out[-1] + math.dist(a, b))
     return out
+
+
+def _per_metre(reference: Sequence[Body], lengths: Sequence[float]) -> list[Body]:
+    """Change of x, y, z and yaw per metre on every stretch of the reference, in the mean."""
+    out = []
+    for k in range(len(lengths) - 1):
+        way = max(lengths[k + 1] - lengths[k], STILL)
+        x, y, z, yaw = ((q - p) / way for p, q in zip(*reference[k : k + 2], strict=True))
+        out.append((x, y, z, yaw))
+    return out
+
+
+def _is_even(reference: Sequence[Body], lengths: Sequence[float]) -> bool:
+    """True of a reference that goes straight, and climbs and turns evenly, from end to end."""
+    x, y, z, yaw = reference[0]
+    ex, ey, ez, eyaw = reference[-1]
+    for place, length in zip(reference, lengths, strict=True):
+        share = length / max(lengths[-1], STILL)
+        off = math.dist(
+            place,
+            (
+                x + share * (ex - x),
+                y + share * (ey - y),
+                z + share * (ez - z),
+                yaw + share * (eyaw - yaw),
+            ),
+        )
+        if off > STRAIGHT:
+            return False
+    return True
 
 
 def _apart(lengths: Sequence[float]) -> list[int]:

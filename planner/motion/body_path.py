@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 from ..geometry.polygons import Polygon
@@ -24,6 +25,7 @@ from ..geometry.transforms import XY
 
 OFFSET_MAX = 0.05  # m aside of the reference at most; more: see legs leave their reach
 SWEEPS = 40  # of the taut string through its gates; fewer: see it cut corners by millimetres
+TAUT = 1e-7  # m; a string that moves by less in a sweep is taut
 ROUNDING = 1e-9  # s
 SHORTEST = 0.02  # s; keys nearer than this count as this far apart
 
@@ -145,25 +147,35 @@ def through_gates(start: Knot, keys: Sequence[Key]) -> list[Knot]:
     """The offset and its rate at ``start`` and at every key after it.
 
     The offsets are those of the shortest way in the plane of time and offset (its square, so that
-    the answer is one linear pass after the other: a fixed count of Gauss-Seidel sweeps, cut to
+    the answer is one linear pass after the other: Gauss-Seidel sweeps until it is taut, cut to
     the bounds). The last rate is 0: beyond what is foreseen the body goes along the reference.
     """
     times = [start.time, *(key.time for key in keys)]
     values = [start.value, *(min(max(0.0, key.low), key.high) for key in keys)]
+    pulls = [1.0 / max(b - a, SHORTEST) for a, b in pairwise(times)]
     for _ in range(SWEEPS):
-        for k, key in enumerate(keys, 1):
-            values[k] = min(max(_between(times, values, k), key.low), key.high)
+        if _sweep(values, keys, pulls) < TAUT:
+            break
     rates = monotone_rates(times, values, start.rate, 0.0)
     return [Knot(*knot) for knot in zip(times, values, rates, strict=True)]
 
 
-def _between(times: Sequence[float], values: Sequence[float], k: int) -> float:
-    """The value at which the way over key k is shortest; that of its neighbour at the end."""
-    if k + 1 == len(times):
-        return values[k - 1]
-    before = 1.0 / max(times[k] - times[k - 1], SHORTEST)
-    after = 1.0 / max(times[k + 1] - times[k], SHORTEST)
-    return (before * values[k - 1] + after * values[k + 1]) / (before + after)
+def _sweep(values: list[float], keys: Sequence[Key], pulls: Sequence[float]) -> float:
+    """Move the value at every key to where the way over it is shortest, that of the last to its
+    neighbour's; the farthest any has moved, m. ``pulls`` of the stretches between them, 1/s.
+    """
+    moved = 0.0
+    last = len(keys)
+    for k, (_, low, high) in enumerate(keys, 1):
+        value = values[k - 1]
+        if k < last:
+            before = pulls[k - 1]
+            after = pulls[k]
+            value = (before * value + after * values[k + 1]) / (before + after)
+        value = min(max(value, low), high)
+        moved = max(moved, abs(value - values[k]))
+        values[k] = value
+    return moved
 
 
 def monotone_rates(
@@ -199,8 +211,25 @@ def at(knots: Sequence[Knot], time: float) -> Knot:
         return Knot(time, knots[-1].value, 0.0)
     if time >= knots[-1].time:
         return knots[-1]
-    k = next(k for k in range(1, len(knots)) if time <= knots[k].time)
+    k = 1
+    while time > knots[k].time:
+        k += 1
     return _cubic(knots[k - 1], knots[k], time)
+
+
+def sampled(knots: Sequence[Knot], times: Sequence[float]) -> list[XY]:
+    """Value and rate at times in order, as ``at`` has them."""
+    out = []
+    k = 1
+    last = len(knots) - 1
+    for time in times:
+        while k < last and time > knots[k].time:
+            k += 1
+        if time <= knots[0].time or time >= knots[-1].time:
+            out.append(at(knots, time)[1:])
+        else:
+            out.append(_cubic(knots[k - 1], knots[k], time)[1:])
+    return out
 
 
 def _cubic(a: Knot, b: Knot, time: float) -> Knot:

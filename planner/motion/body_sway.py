@@ -34,6 +34,7 @@ from .body_path import (
     lateral_bounds,
     meeting,
     monotone_rates,
+    sampled,
     through_gates,
 )
 from .step_builder import changed
@@ -48,7 +49,15 @@ IN_TIME = 1.002  # a step that should be longer by less is taken as it is
 FOREVER = 3.0  # a step is made longer by this factor at most, round by round
 BRAKING = 0.8  # of the acceleration a body may have, for slowing down ahead of a slow stretch
 UNHURRIED = 0.3  # s on all feet in which the body gets back to where it should lift a leg
+STILL_FOOT = (0.0, 0.0, 0.0)  # m/s
 STOPPED_BY = 0.6  # of a step's time; an offset that cannot be stopped by then is led back at once
+
+
+class Motion(NamedTuple):
+    """Where a body is, and how it moves."""
+
+    body: Body
+    rate: Body  # m/s and rad/s
 
 
 class Bounds(NamedTuple):
@@ -88,12 +97,12 @@ def swayed(
     table = _Table.of(swing, course, stance, bounds)
     task = _Task(course, stance, ahead, bounds, machine)
     way = _in_time(task, table)
-    if table.lift == 0 and course.after and way.margin < bounds.margin - LACK:
+    if table.lift == 0 and course.after and way.margin(machine) < bounds.margin - LACK:
         seconds = math.hypot(*stance.velocity) / bounds.acceleration
         waited = _in_time(task, table.after_a_wait(max(seconds, UNHURRIED) + SOONEST, 0.0))
-        if waited.margin > way.margin + LACK:
+        if waited.margin(machine) > way.margin(machine) + LACK:
             way = waited
-    return way.plan(plan, gait.smooth)
+    return way.plan(plan, gait.smooth, machine)
 
 
 class _Task(NamedTuple):
@@ -167,7 +176,12 @@ class _Table:
         ends = zip(
             self.feet[k - 1], self.feet[k], self.foot_rates[k - 1], self.foot_rates[k], strict=True
         )
-        places = [cubic_between(*each, end - begin, share) for each in ends]
+        places = [
+            (a, first)
+            if a == b and first == last == STILL_FOOT
+            else cubic_between(a, b, first, last, end - begin, share)
+            for a, b, first, last in ends
+        ]
         return _Table(
             [*self.times[:k], time, *self.times[k:]],
             [*self.feet[:k], [place for place, _ in places], *self.feet[k:]],
@@ -200,21 +214,30 @@ class _Table:
         )
 
 
-@dataclass(frozen=True, slots=True)
 class _Way:
     """A body's way through a step: progress along the reference, offsets along and across it."""
 
-    table: _Table
-    course: Course
-    progress: list[Knot]  # m of the reference's length
-    along: list[Knot]
-    across: list[Knot]
-    machine: Machine
+    __slots__ = ("table", "course", "progress", "along", "across", "rows")
+
+    def __init__(
+        self,
+        table: _Table,
+        course: Course,
+        progress: list[Knot],
+        along: list[Knot],
+        across: list[Knot],
+    ) -> None:
+        self.table = table
+        self.course = course
+        self.progress = progress  # m of the reference's length
+        self.along = along
+        self.across = across
+        self.rows = self.motions(table.times)
 
     @classmethod
     def through(cls, task: _Task, table: _Table) -> _Way:
         """The way through the gates of this step and the next ones."""
-        course, stance, ahead, bounds, machine = task
+        course, stance, ahead, bounds, _ = task
         side = course.side(0.0)
         forward = side[1], -side[0]
         braking = BRAKING * bounds.acceleration
@@ -233,7 +256,7 @@ class _Way:
         along = _coming_back(start, lift if lift > UNHURRIED else table.times[-1], braking)
         gates = _gates(table, course, ahead, bounds.margin + SPARE, along)
         across = through_gates(Knot(0.0, _dot(stance.sway, side), _dot(rest, side)), gates)
-        return cls(table, course, progress, along, across, machine)
+        return cls(table, course, progress, along, across)
 
     @property
     def times(self) -> list[float]:
@@ -245,34 +268,33 @@ class _Way:
                 out.append(time)
         return [*out, end]
 
-    def velocity(self, k: int) -> Body:
-        """Of the body at knot k: m/s along absolute x, y and z, and rad/s."""
-        t = self.table.times[k]
-        progress = at(self.progress, t)
-        along = at(self.along, t)
-        aside = at(self.across, t)
-        sx, sy = self.course.side(progress.value)
-        onward, left, climb, turn = self.course.slope(progress.value)
-        # the offsets turn with the course
-        spin = self.course.turning * progress.rate
-        ox = sx * aside.value + sy * along.value
-        oy = sy * aside.value - sx * along.value
-        return (
-            onward * progress.rate + sx * aside.rate + sy * along.rate - spin * oy,
-            left * progress.rate + sy * aside.rate - sx * along.rate + spin * ox,
-            climb * progress.rate,
-            turn * progress.rate,
-        )
+    def motions(self, times: Sequence[float]) -> list[Motion]:
+        """Where the body is at times in order and how it moves: m/s along absolute x, y and z, and
+        rad/s.
+        """
+        ways = (sampled(way, times) for way in (self.progress, self.along, self.across))
+        return [self._motion(*row) for row in zip(*ways, strict=True)]
 
-    def place(self, k: int) -> Body:
-        """Of the body at knot k."""
-        t = self.table.times[k]
-        length = at(self.progress, t).value
-        x, y, z, yaw = self.course.at(length)
+    def _motion(self, progress: XY, ahead: XY, beside: XY) -> Motion:
+        """That with this progress and these offsets along and across it, and their rates."""
+        length, rate = progress
+        along, along_rate = ahead
+        aside, aside_rate = beside
+        (x, y, z, yaw), (onward, left, climb, turn) = self.course.motion(length)
         sx, sy = self.course.side(length)
-        along = at(self.along, t).value
-        aside = at(self.across, t).value
-        return x + sx * aside + sy * along, y + sy * aside - sx * along, z, yaw
+        # the offsets turn with the course
+        spin = self.course.turning * rate
+        ox = sx * aside + sy * along
+        oy = sy * aside - sx * along
+        return Motion(
+            (x + sx * aside + sy * along, y + sy * aside - sx * along, z, yaw),
+            (
+                onward * rate + sx * aside_rate + sy * along_rate - spin * oy,
+                left * rate + sy * aside_rate - sx * along_rate + spin * ox,
+                climb * rate,
+                turn * rate,
+            ),
+        )
 
     def hurry(self, bounds: Bounds, rounds: int) -> float:
         """By which factor the step should be longer for the body's acceleration; 1: it is well.
@@ -305,53 +327,44 @@ class _Way:
 
     def foot_hurry(self, machine: Machine) -> float:
         """Speed of the fastest foot against the body, over its limit."""
-        return max(
-            _fastest_foot(feet, rates, (self.place(k), self.velocity(k)), machine)
-            for k, (feet, rates) in enumerate(
-                zip(self.table.feet, self.table.foot_rates, strict=True)
-            )
-        )
+        table = zip(self.table.feet, self.table.foot_rates, self.rows, strict=True)
+        return max(_fastest_foot(*row, machine) for row in table)
 
-    def plan(self, plan: StepPlan, curved: bool) -> StepPlan:
+    def plan(self, plan: StepPlan, curved: bool, machine: Machine) -> StepPlan:
         """The step on this way; feet go straight between knots unless they are ``curved``."""
-        whole = replace(self, table=self.table.with_times(self.times))
-        return whole._as_planned(plan, curved)
-
-    def _as_planned(self, plan: StepPlan, curved: bool) -> StepPlan:
-        count = len(self.table.times)
-        body = [self.place(k) for k in range(count)]
-        rates = [self.velocity(k) for k in range(count)]
+        table = self.table.with_times(self.times)
+        rows = self.rows if table is self.table else self.motions(table.times)
         x, y, _, _ = plan.end.body
-        end = replace(
-            plan.end, sway=(body[-1][0] - x, body[-1][1] - y), velocity=(rates[-1][0], rates[-1][1])
-        )
+        place, rate = rows[-1]
+        end = replace(plan.end, sway=(place[0] - x, place[1] - y), velocity=rate[:2])
         return changed(
             plan,
-            times=np.array(self.table.times),
-            body=np.array(body),
-            feet=np.array(self.table.feet),
-            foot_rates=np.array(self.table.foot_rates) if curved else None,
-            phases=self.table.phases,
-            rates=np.array(rates),
+            times=np.array(table.times),
+            body=np.array([row.body for row in rows]),
+            feet=np.array(table.feet),
+            foot_rates=np.array(table.foot_rates) if curved else None,
+            phases=table.phases,
+            rates=np.array([row.rate for row in rows]),
             end=end,
-            polygon_margin_min=self._margin(body),
+            polygon_margin_min=_least_margin(self.course, table, rows, machine),
         )
 
-    @property
-    def margin(self) -> float:
+    def margin(self, machine: Machine) -> float:
         """Least polygon margin at the knots, m."""
-        return self._margin([self.place(k) for k in range(len(self.table.times))])
+        return _least_margin(self.course, self.table, self.rows, machine)
 
-    def _margin(self, body: Sequence[Body]) -> float:
-        least = math.inf
-        for k, place in enumerate(body):
-            dx, dy = centre_over(self.machine, place, self.table.feet[k])
-            x, y = place[0] + dx, place[1] + dy
-            if k <= self.table.lift:
-                least = min(least, polygon_margin(self.course.before, x, y))
-            if k >= self.table.lift and self.course.after:
-                least = min(least, polygon_margin(self.course.after, x, y))
-        return least
+
+def _least_margin(course: Course, table: _Table, rows: Sequence[Motion], machine: Machine) -> float:
+    """Least polygon margin of the centre of gravity at the knots of a table, m."""
+    least = math.inf
+    for k, (place, _) in enumerate(rows):
+        dx, dy = centre_over(machine, place, table.feet[k])
+        x, y = place[0] + dx, place[1] + dy
+        if k <= table.lift:
+            least = min(least, polygon_margin(course.before, x, y))
+        if k >= table.lift and course.after:
+            least = min(least, polygon_margin(course.after, x, y))
+    return least
 
 
 def _missing(course: Course, sway: XY, margin: float) -> float:
@@ -368,23 +381,25 @@ def _missing(course: Course, sway: XY, margin: float) -> float:
 
 
 def _fastest_foot(
-    feet: Sequence[Point], rates: Sequence[Point], motion: tuple[Body, Body], machine: Machine
+    feet: Sequence[Point], rates: Sequence[Point], motion: Motion, machine: Machine
 ) -> float:
     """Speed of the fastest of feet with these velocities, seen from a body in motion, over its
     limit.
     """
     (x, y, _, yaw), (vx, vy, vz, turn) = motion
     c, s = direction(yaw)
+    limit_x, limit_y, limit_z = machine.speed
     most = 0.0
+    before: Point | None = None
     for foot, rate in zip(feet, rates, strict=True):
+        if turn == 0.0 and rate == before:
+            continue  # as fast as the foot before it
+        before = rate
         wx = rate[0] - vx + turn * (foot[1] - y)
         wy = rate[1] - vy - turn * (foot[0] - x)
-        most = max(
-            most,
-            abs(c * wx + s * wy) / machine.speed[0],
-            abs(c * wy - s * wx) / machine.speed[1],
-            abs(rate[2] - vz) / machine.speed[2],
-        )
+        ahead = abs(c * wx + s * wy) / limit_x
+        aside = abs(c * wy - s * wx) / limit_y
+        most = max(most, ahead, aside, abs(rate[2] - vz) / limit_z)
     return most
 
 

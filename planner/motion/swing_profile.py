@@ -12,8 +12,9 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Callable, Collection, Iterator, Sequence
-from itertools import groupby
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from functools import lru_cache
+from itertools import groupby, pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -65,44 +66,39 @@ class Ramp(NamedTuple):
         return self.way - behind, speed
 
 
-class Ramps(NamedTuple):
+class Ramps:
     """Ramps one after the other."""
 
-    ramps: tuple[Ramp, ...]
+    __slots__ = ("ramps", "seconds", "way", "_begin")
 
-    @property
-    def seconds(self) -> float:
-        """s."""
-        return math.fsum(ramp.seconds for ramp in self.ramps)
-
-    @property
-    def way(self) -> float:
-        """m."""
-        return math.fsum(ramp.way for ramp in self.ramps)
+    def __init__(self, ramps: Iterable[Ramp]) -> None:
+        self.ramps = tuple(ramp for ramp in ramps if ramp.seconds > 0.0)
+        self._begin: list[tuple[float, float]] = []  # of every ramp: s, and m gone before it
+        seconds = 0.0
+        way = 0.0
+        for ramp in self.ramps:
+            self._begin.append((seconds, way))
+            seconds += ramp.seconds
+            way += ramp.way
+        self.seconds = seconds
+        self.way = way
 
     def at(self, t: float) -> tuple[float, float]:
         """Way and speed at a time."""
-        done = 0.0
-        for ramp in self.ramps:
-            if t <= ramp.seconds:
-                way, speed = ramp.at(t)
+        for (begin, done), ramp in zip(self._begin, self.ramps, strict=True):
+            if t - begin <= ramp.seconds:
+                way, speed = ramp.at(t - begin)
                 return done + way, speed
-            t -= ramp.seconds
-            done += ramp.way
-        return done, self.ramps[-1].last
+        return self.way, self.ramps[-1].last if self.ramps else 0.0
 
     def knots(self) -> Iterator[float]:
         """Times of its ends and of the middles of its ramps, after the first: between them way is
         a cubic of time.
         """
-        t = 0.0
-        for ramp in self.ramps:
-            if ramp.seconds <= 0.0:
-                continue
+        for (begin, _), ramp in zip(self._begin, self.ramps, strict=True):
             if ramp.first != ramp.last:
-                yield t + ramp.seconds / 2.0
-            t += ramp.seconds
-            yield t
+                yield begin + ramp.seconds / 2.0
+            yield begin + ramp.seconds
 
 
 def rest_to_rest(way: float, seconds: float) -> Ramps:
@@ -114,6 +110,7 @@ def rest_to_rest(way: float, seconds: float) -> Ramps:
     )
 
 
+@lru_cache(maxsize=64)
 def quickest(way: float, speed: float, acceleration: float, last: float = 0.0) -> Ramps:
     """From rest to ``last``, m/s, in the least time; the mean acceleration of a ramp is half of the
     most.
@@ -126,6 +123,7 @@ def quickest(way: float, speed: float, acceleration: float, last: float = 0.0) -
     return Ramps((up, Ramp(even / top if top > 0.0 else 0.0, top, top), down))
 
 
+@lru_cache(maxsize=64)
 def landing(drop: float, speed: float) -> Ramps:
     """Down from so far over known ground, and ``BELOW`` it where there is none."""
     slow = min(ABOVE, drop)
@@ -348,26 +346,28 @@ class _Smoothing:
             _add(out, start + self.times[k], self.feet[k], drift, run.phase)
 
     def _add_smooth(self, out: SwingTable, run: _Run, seconds: float) -> None:
-        ways = {
-            leg: _Way(self._path(run, leg), self._profile(run, leg, seconds)) for leg in self.swing
-        }
+        ways = {leg: self._way(run, leg, seconds) for leg in self.swing}
         start = out.times[-1]
         bent = any(len(way.path) > 2 for way in ways.values())
+        drift = [self._drift(run, leg, seconds) for leg in range(len(self.ends))]
+        stand = self._others_stand(run)
         for t in _merged([*ways.values()], seconds, PIECES if bent else 1):
             share = min(t / seconds, 1.0)
-            feet = self._carried(run, share)
-            rates = [self._drift(run, leg, seconds) for leg in range(len(feet))]
+            feet = list(self.feet[run.first]) if stand else self._carried(run, share)
+            rates = list(drift)
             for leg, way in ways.items():
                 feet[leg], rates[leg] = way.at(t)
             _add(out, start + t, feet, rates, run.phase)
 
-    def _profile(self, run: _Run, leg: int, seconds: float) -> Ramps:
-        length = self._length_of_path(run, leg)
+    def _way(self, run: _Run, leg: int, seconds: float) -> _Way:
+        """That of a swinging foot through a run."""
+        path = self._path(run, leg)
+        length = math.fsum(math.dist(a, b) for a, b in pairwise(path))
         if length <= STAYS or run.phase is not Phase.DOWN or leg not in self.known:
-            return rest_to_rest(length, seconds)
+            return _Way(path, rest_to_rest(length, seconds))
         profile = self._lowered(run, leg)
         wait = Ramp(max(seconds - profile.seconds, 0.0), 0.0, 0.0)
-        return Ramps((wait, *profile.ramps))
+        return _Way(path, Ramps((wait, *profile.ramps)))
 
     def _path(self, run: _Run, leg: int) -> list[Point]:
         """The corners of a leg's way in a run, from the first to the last that differ."""
@@ -381,9 +381,11 @@ class _Smoothing:
                 path.append(row[leg])
         return [path[0], path[-1]] if _is_straight(path) else path
 
-    def _length_of_path(self, run: _Run, leg: int) -> float:
-        path = self._path(run, leg)
-        return math.fsum(math.dist(a, b) for a, b in zip(path, path[1:], strict=False))
+    def _others_stand(self, run: _Run) -> bool:
+        """True when no foot but those that swing moves in a run."""
+        begin, *rows = self.feet[run.first : run.last + 1]
+        others = [leg for leg in range(len(begin)) if leg not in self.swing]
+        return all(row[leg] == begin[leg] for row in rows for leg in others)
 
     def _carried(self, run: _Run, share: float) -> list[Point]:
         """Feet that stand, and feet that stay in the air, at a share of a run's time."""
@@ -391,8 +393,9 @@ class _Smoothing:
         t = begin + share * (end - begin)
         k = min(max(bisect_right(self.times, t) - 1, run.first), run.last - 1)
         part = (t - self.times[k]) / max(self.times[k + 1] - self.times[k], STAYS)
+        part = min(max(part, 0.0), 1.0)
         rows = zip(self.feet[k], self.feet[k + 1], strict=True)
-        return [between(a, b, min(max(part, 0.0), 1.0)) for a, b in rows]
+        return [a if a == b else between(a, b, part) for a, b in rows]
 
     def _drift(self, run: _Run, leg: int, seconds: float) -> Point:
         """Mean speed of a foot that stays in the air."""
@@ -436,7 +439,7 @@ def _merged(ways: Sequence[_Way], seconds: float, pieces: int) -> list[float]:
     """Times of the knots of all ways, and of even pieces; the last is the end."""
     times = {seconds * k / pieces for k in range(1, pieces)}
     for way in ways:
-        times |= set(way.profile.knots())
+        times.update(way.profile.knots())
     out: list[float] = []
     for t in sorted(times):
         if t < seconds - 1e-3 and t - (out[-1] if out else 0.0) > 1e-3:
