@@ -203,11 +203,9 @@ class StepPlan:
     polygon_margin_min: float = math.nan
 
     def __post_init__(self) -> None:
-        for array in (self.times, self.body, self.feet):
-            array.setflags(write=False)
-        for rates in (self.rates, self.foot_rates):
-            if rates is not None:
-                rates.setflags(write=False)
+        for array in (self.times, self.body, self.feet, self.rates, self.foot_rates):
+            if array is not None:
+                array.setflags(write=False)
 
 
 @unique

@@ -56,7 +56,7 @@ def planner_row(may: str, never: str = "") -> Rule:
 
 # The planner from the ground up: each folder may import those before it.
 FLOORS = (
-    "types geometry config robot terrain protocols stability simplex statics search motion "
+    "lazy types geometry config robot terrain protocols stability simplex statics search motion "
     "initial_stance navigation control"
 )
 

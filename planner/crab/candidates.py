@@ -68,6 +68,7 @@ class SearchContext:
         self.cells: FootholdMap = foothold_map(request.terrain)
         self.here = FootholdChecks(posture, request)
         self.start = Node(posture, None if self.here.is_level else stance)
+        self._latest = self.start, self.here  # most is asked of one node after the other
         self.least = min(LEAST, self.nominal.margin)  # m, that every step must keep
         self.must_get_on = stance.still >= STILL_MAX
 
@@ -92,9 +93,12 @@ class SearchContext:
 
     def accepts(self, node: Node) -> Accepts | None:
         """What refuses footholds for their height; None where there are no heights to mind."""
-        if node.stance is None:
-            return None
-        return FootholdChecks(node.posture, self.request, node.stance).refuses
+        return None if node.stance is None else self._checks_at(node).refuses
+
+    def _checks_at(self, node: Node) -> FootholdChecks:
+        if self._latest[0] is not node:
+            self._latest = node, FootholdChecks(node.posture, self.request, node.stance)
+        return self._latest[1]
 
     def paper_step(self, node: Node, log: DecisionLog | None = None) -> SwingStep | None:
         """What the paper's own policy does at a node."""
@@ -106,7 +110,7 @@ class SearchContext:
         if isinstance(candidate, SwingStep):
             posture = after(node.posture, candidate)
             if stance is not None:
-                checks = FootholdChecks(node.posture, self.request, stance)
+                checks = self._checks_at(node)
                 z = checks.height_after(candidate, candidate.landing)
                 stance = checks.stance_after(posture, candidate, z)
         else:

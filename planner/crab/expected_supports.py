@@ -34,9 +34,8 @@ def expected_supports(
         leg = nominal.order.successor[leg]
         g = nominal.lags[leg]
         g0 = min(2.0 * max(nominal.margin, 0.0), g) if leg in HIND else 0.0
-        polygon = support_polygon(
-            posture.absolute(*foot) for other, foot in enumerate(feet) if other != leg
-        )
+        stay = (posture.absolute(*foot) for other, foot in enumerate(feet) if other != leg)
+        polygon = support_polygon(stay)
         supports.append(
             SupportPhase(
                 (way + g0) / plan.speed,

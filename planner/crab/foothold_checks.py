@@ -9,9 +9,9 @@ passes between the leading feet; on an arc no two feet lead, and it is H above t
 from __future__ import annotations
 
 import math
-from functools import cached_property
 
 from ..geometry.transforms import Body, left_fold_sum
+from ..lazy import lazy
 from ..motion.body_height import (
     body_height,
     clears_all,
@@ -144,7 +144,7 @@ class FootholdChecks:
             return StepRefusal.TALL
         return None
 
-    @cached_property
+    @lazy
     def legs_among_tall(self) -> SteppingLegs | None:
         """The legs as they step, where something near is tall enough to meet one."""
         x, y, _, _ = self.stance.body

@@ -12,12 +12,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 from ..geometry.paths import ArcPath, Box, arc_exit, arc_of_command, line_exit
 from ..geometry.polygons import Polygon, convex_hull
 from ..geometry.transforms import XY, direction
 from ..initial_stance import Placement, standing
+from ..lazy import lazy
 from ..motion.leg_order import MATES, SAME_SIDE, LegOrder, order_on, standard_order
 from ..motion.quarter_turns import (
     BODY_LEGS,
@@ -55,6 +56,7 @@ class NominalGait:
 
     path: ArcPath
     quarter_turns: int  # n of H table 1
+    body_leg: tuple[int, ...]  # leg of the gait frame -> leg of the machine
     course: float  # the crab angle that is walked, in body axes: the commanded one but for the tie
     duty_factor: float  # β
     boxes: tuple[Box, ...]  # reach in which footholds are planned
@@ -71,11 +73,6 @@ class NominalGait:
     layouts: tuple[tuple[float, ...], ...]
     # [u]: fore or hind pair, left or right pair, among the legs that stay when u swings next
     pairs: tuple[tuple[LegPair, LegPair], ...]
-
-    @property
-    def body_leg(self) -> tuple[int, ...]:
-        """Leg of the gait frame -> leg of the machine."""
-        return BODY_LEGS[self.quarter_turns]
 
     @property
     def margin(self) -> float:
@@ -103,7 +100,7 @@ class Posture:
     feet: tuple[XY, ...]  # legs of the gait frame, relative to the CoG
     last: int  # leg that swung last, -1 for none
 
-    @cached_property
+    @lazy
     def exits(self) -> tuple[float, ...]:
         """g_i of every leg: how far the body may go before leg i leaves its reach, never less than
         0 (H §5.2 (4)-(10)).
@@ -113,10 +110,9 @@ class Posture:
         if path.turn != 0.0:
             return tuple([arc_exit(fx, fy, box, path, EARLY) for (fx, fy), box in reach])
         ux, uy, _ = path
-        exits = [line_exit(fx, fy, box, ux, uy) for (fx, fy), box in reach]
-        return tuple([exit_ if exit_ > 0.0 else 0.0 for exit_ in exits])
+        return tuple([max(0.0, line_exit(fx, fy, box, ux, uy)) for (fx, fy), box in reach])
 
-    @cached_property
+    @lazy
     def support(self) -> Polygon:
         """The support polygon of all four feet."""
         return convex_hull(self.feet)
@@ -263,6 +259,7 @@ def _described(
     return NominalGait(
         path=path,
         quarter_turns=heading[0],
+        body_leg=BODY_LEGS[heading[0]],
         course=heading[1],
         duty_factor=duty_factor,
         boxes=boxes[0],
@@ -325,8 +322,3 @@ def off_standard(machine: Machine, gait: Gait, crab_angle: float, stance: Stance
     places = zip(posture.feet, nominal.centres, nominal.layouts[posture.last], strict=True)
     off = max(math.hypot(fx - cx - d * ux, fy - cy - d * uy) for (fx, fy), (cx, cy), d in places)
     return off / nominal.stride
-
-
-def is_standard(off: float) -> bool:
-    """True when a layout so far off still counts as standard (the tolerance of H fig. 9)."""
-    return off <= AGREEMENT

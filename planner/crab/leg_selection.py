@@ -73,7 +73,8 @@ def shift_of(posture: Posture, leg: int, margin: float | None = None) -> Shift |
     exits = posture.exits
     i, j, k = OTHERS[leg]
     s0 = nominal.order.margin if margin is None else margin
-    low, high = stable_on(nominal.path, triangle_of(posture, leg))
+    ux, uy, _ = nominal.path
+    low, high = stable_interval(triangle_of(posture, leg), 0.0, 0.0, ux, uy)
     if low > high:
         return MISSES
     if high < -SLACK:
@@ -133,7 +134,7 @@ def leg_order(posture: Posture) -> list[LegShift]:
         agreeing = agreeing_pairs(posture, leg)
         second = not (agreeing and leg == successor)
         back = return_length(posture, leg)
-        ranked.append((isinstance(shift, StepRefusal), -agreeing, second, -back, leg, shift))
+        ranked.append((not isinstance(shift, Shift), -agreeing, second, -back, leg, shift))
     ranked.sort()  # never as far as the shifts: legs differ
     return [(leg, shift) for _, _, _, _, leg, shift in ranked]
 
@@ -193,7 +194,7 @@ def decide(
     again = ((leg, shift_of(posture, leg)) for leg in (posture.last,) if leg >= 0)
     for leg, shift in chain(leg_order(posture), again):
         trial = None if log is None else _noted(log, posture, leg, shift)
-        if isinstance(shift, StepRefusal):
+        if not isinstance(shift, Shift):
             continue
         step = next(steps_to(posture, shift, cells, accepts, trial), None)
         if step is None:

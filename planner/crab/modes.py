@@ -89,8 +89,14 @@ class CrabPlanner(Planner):
         if not turns(command, self._machine):
             command, held = steadied(command, stance, self._machine)
         stance = holding(stance, held)
-        answer = yield from self._plan(stance, command, terrain)
-        if isinstance(answer, Blocked) or not self._gait.sways:
+        job = self._plan(stance, command, terrain)
+        return self._swaying(job, stance, command, terrain) if self._gait.sways else job
+
+    def _swaying(
+        self, job: PlanningJob, stance: Stance, command: Command, terrain: TerrainMap
+    ) -> PlanningJob:
+        answer = yield from job
+        if isinstance(answer, Blocked):
             return answer
         ahead = expected_supports(answer, command, self._machine, self._gait)
         known = legs_on_known_ground(answer, terrain)

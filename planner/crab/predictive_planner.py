@@ -79,14 +79,10 @@ def first_that_passes(
     for way in ways[:FINISHED_MAX]:
         plan = plan_of(context.here, way.first, request.command.speed, log)
         if isinstance(plan, StepPlan):
-            if _way(request, plan) >= ON_THE_SPOT:
+            x, y, _, yaw = request.stance.body
+            end_x, end_y, _, _ = plan.end.body
+            course = yaw + request.command.crab_angle
+            if turned_back(end_x - x, end_y - y, course)[0] >= ON_THE_SPOT:
                 return plan
             return changed(plan, end=replace(plan.end, still=request.stance.still + 1))
     return None
-
-
-def _way(request: StepRequest, plan: StepPlan) -> float:
-    """How far the body gets on along the commanded course, m."""
-    x, y, _, yaw = request.stance.body
-    end_x, end_y, _, _ = plan.end.body
-    return turned_back(end_x - x, end_y - y, yaw + request.command.crab_angle)[0]

@@ -194,11 +194,13 @@ def _room(nominal: NominalGait, posture: Posture, step: SwingStep) -> tuple[floa
     path = nominal.path
     box = nominal.far_boxes[step.leg]
     fx, fy = posture.feet[step.leg]
-    x, y = path.seen(step.landing.x, step.landing.y, step.g)
-    if path.turn == 0.0:
-        behind = line_exit(fx, fy, box, path.ux, path.uy) - step.g0
-        beyond = line_exit(x, y, box, -path.ux, -path.uy)
+    x, y, _, _ = step.landing
+    ux, uy, turn = path
+    if turn == 0.0:
+        behind = line_exit(fx, fy, box, ux, uy) - step.g0
+        beyond = line_exit(x - ux * step.g, y - uy * step.g, box, -ux, -uy)
         return max(behind, STRETCHED_LIFT_ROOM), max(beyond, STRETCHED_LIFT_ROOM)
+    x, y = path.seen(x, y, step.g)
     behind = arc_exit(fx, fy, box, path) - step.g0
     beyond = arc_exit(x, y, box, path.reversed())
     # a foot that touches early, at mid-descent, is no farther than that beyond its place

@@ -8,7 +8,6 @@ import math
 
 from ..geometry.transforms import XY
 from ..robot.model import Machine
-from .strides import critical_angle
 
 QUARTER = math.pi / 2
 BODY_LEGS = ((0, 1, 2, 3), (1, 2, 3, 0), (2, 3, 0, 1), (3, 0, 1, 2))  # by n, gait leg -> body leg
@@ -48,10 +47,12 @@ def folded(crab_angle: float, n: int) -> float:
 
 def half_width(machine: Machine, n: int) -> float:
     """The greatest crab angle in the frame turned by n quarter turns, α_c'."""
-    critical = critical_angle(machine)
+    critical = machine.critical_angle
     return QUARTER - critical if n % 2 else critical
 
 
 def beside_critical(machine: Machine, crab_angle: float) -> float:
     """How far a crab angle is from the nearest boundary between two quarter turns, rad."""
-    return min(abs(abs(folded(crab_angle, n)) - half_width(machine, n)) for n in range(4))
+    critical = machine.critical_angle
+    aside = abs(folded(crab_angle, 0))
+    return min(abs(aside - critical), abs(math.pi - critical - aside))

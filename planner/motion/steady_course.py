@@ -38,7 +38,7 @@ def steadied(command: Command, stance: Stance, machine: Machine) -> tuple[Comman
     held = stance.held_course
     if held is None:
         return command, HeldCourse(angle, angle, TREMOR)
-    if abs(_from(held.angle, angle)) > MEANT or beside_critical(machine, angle) > NEAR:
+    if beside_critical(machine, angle) > NEAR or abs(_from(held.angle, angle)) > MEANT:
         return command, HeldCourse(angle, angle, held.tremor)
     deviation = _from(held.mean, angle)
     mean = math.remainder(held.mean + FOLLOWS * deviation, 2 * math.pi)

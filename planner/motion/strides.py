@@ -41,12 +41,6 @@ def stroke_length(x_span: float, y_span: float, crab_angle: float) -> float:
     return min(along_x, along_y)
 
 
-def critical_angle(machine: Machine) -> float:
-    """α_c, where the walk along x turns over into the walk along y (H §4.3 (2))."""
-    reach = machine.reach
-    return math.atan((reach.y0 + reach.y_span / 2) / (reach.x0 + reach.x_span / 2))
-
-
 def kept(overreach: float, stretched: bool) -> float:
     """By how much footholds are planned inside the control reach, m; negative: outside it."""
     return STRETCHED_LIFT_ROOM - overreach if stretched else max(0.0, LIFT_ROOM - overreach)

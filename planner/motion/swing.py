@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from functools import lru_cache
 from typing import NamedTuple
 
 from ..geometry.transforms import XY
@@ -51,18 +50,26 @@ def profile_of(gait: Gait) -> Profile:
     return EASED if gait.smooth else EVEN
 
 
-@lru_cache
 def peak(profile: Profile) -> float:
     """κ: the largest speed of a profile over its mean speed."""
     steps = zip(((0.0, 0.0), *profile), profile, strict=False)
     return round(max((w - v) / (t - s) for (s, v), (t, w) in steps), 12)
 
 
+EVEN_PEAK = peak(EVEN)
+EASED_PEAK = peak(EASED)
+
+
+def peak_of(gait: Gait) -> float:
+    """κ of the profile of a gait; asked several times a step."""
+    return EASED_PEAK if gait.smooth else EVEN_PEAK
+
+
 def swing_speeds(machine: Machine, gait: Gait, share: float = 1.0) -> Point:
     """The mean speeds of a stretch at which no foot exceeds ``share`` of V, along body x, y and z:
     V / κ, m/s.
     """
-    kappa = peak(profile_of(gait))
+    kappa = peak_of(gait)
     vx, vy, vz = machine.speed
     return share * vx / kappa, share * vy / kappa, share * vz / kappa
 

@@ -24,8 +24,7 @@ from .swing import (
     Profile,
     SwingCorners,
     between,
-    peak,
-    profile_of,
+    peak_of,
     stairs,
     swing_speeds,
 )
@@ -240,7 +239,11 @@ def speed_limit(displacement: Point, n: Point, limits: Point, g: float, vertical
     """
     v = g / vertical if vertical > 0.0 else math.inf
     for d, m, limit in zip(displacement, n, limits, strict=True):
-        v = min(v, axis_limit(d, m, limit, g, vertical), axis_limit(-d, -m, limit, g, vertical))
+        ahead = axis_limit(d, m, limit, g, vertical)
+        back = axis_limit(-d, -m, limit, g, vertical)
+        slower = ahead if ahead < back else back
+        if slower < v:
+            v = slower
     return v
 
 
@@ -299,7 +302,8 @@ def timing(
     standing = math.inf
     for nx, ny in demand.courses:
         standing = min(standing, speed_standing((nx, ny, slope), limits))
-    v, v_max, up, down = _swing_speed(machine.speed[2], gait, demand, limits, (command, standing))
+    lifting = machine.speed[2], peak_of(gait)
+    v, v_max, up, down = _swing_speed(lifting, demand, limits, slope, (command, standing))
     if g_u > 0.0:
         back = g_u / v - (up + down)  # H §7 (29)
     else:
@@ -312,38 +316,37 @@ def timing(
 
 
 def _swing_speed(
-    lifting_speed: float,
-    gait: Gait,
+    lifting: tuple[float, float],
     demand: SwingDemand,
     limits: Point,
+    slope: float,
     at_most: tuple[float, float],
 ) -> tuple[float, float, float, float]:
-    """v_G and v_max while the leg swings (0 for a body that waits), t_up and t_dwn; ``at_most`` is
-    the commanded speed and that at which standing legs keep their limits.
+    """v_G and v_max while the leg swings (0 for a body that waits), t_up and t_dwn; ``lifting`` is
+    V_z and κ, ``at_most`` the commanded speed and that at which standing legs keep their limits.
     """
     command, standing = at_most
+    lifting_speed, kappa = lifting
     g_u = demand.g - demand.g0
-    (nx, ny) = demand.courses[0]
-    slope = demand.slope
+    onward = (*demand.courses[0], slope)
     sinking = _sinking(demand, limits)
     v = v_max = 0.0
     # the body's own climb slows the lift, and the slower lift the climb: the second pass is
     # feasible
     for _ in range(2):
-        lift = limits[2] if sinking == 0.0 else (lifting_speed - sinking) / peak(profile_of(gait))
+        lift = limits[2] if sinking == 0.0 else (lifting_speed - sinking) / kappa
         up = demand.rise / lift
         down = demand.drop / lift
         if g_u <= 0.0:
             break
-        lifting = up + down  # τ
         v_max = min(
-            speed_limit(demand.displacement, (nx, ny, slope), limits, g_u, lifting)
+            speed_limit(demand.displacement, onward, limits, g_u, up + down)
             if demand.return_limit is None
             else demand.return_limit(up, down, limits),
             standing,
             demand.room[0] / up,
             demand.room[1] / down,
-            g_u / (lifting + BACK_MIN),
+            g_u / (up + down + BACK_MIN),
         )
         v = min(v_max, command) if command > 0.0 else v_max
         sinking = abs(v_max * slope)
@@ -391,8 +394,7 @@ def knots(
         rows = way.stretch(phase, (t, duration), (share, gone), a, b, profile)
         t += duration
         share += gone
-        _, x, y, z, yaw, *_ = rows[-1]
-        rows[-1] = (t, x, y, z, yaw, *b)
+        rows[-1] = (t, *rows[-1][1:5], *b)
         out += rows
         phases += [phase] * len(rows)
     out[-1] = (t, *way.end, *swing.aim)

@@ -23,7 +23,6 @@ from numpy.typing import NDArray
 
 from ..config import DEFAULT, Navigation
 from ..geometry.transforms import seen
-from ..motion.strides import critical_angle
 from ..protocols import PlanFunction, PlanningJob
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
@@ -117,7 +116,17 @@ class LocalPlanner:
     ) -> PlanningJob:
         """The step on the best course that has one; else the answer for the first course."""
         if not self.detours:
-            return (yield from steps(stance, command, terrain))
+            return steps(stance, command, terrain)
+        return self._plan_round(steps, machine, stance, command, terrain)
+
+    def _plan_round(
+        self,
+        steps: PlanFunction,
+        machine: Machine,
+        stance: Stance,
+        command: Command,
+        terrain: TerrainMap,
+    ) -> PlanningJob:
         if self._commanded is not None:
             command = replace(command, speed=self._commanded.speed)
         refused: list[float] = []
@@ -478,7 +487,7 @@ class DetourSearch:
 
 def _critical(course: float, machine: Machine, cost: float) -> Array:
     """Directions near the crab angle at which the margin vanishes cost more."""
-    critical = critical_angle(machine)
+    critical = machine.critical_angle
     weight = np.ones(_INTO.size)
     for m, angle in enumerate(_INTO):
         crab = abs(math.remainder(course + float(angle), 2 * math.pi))

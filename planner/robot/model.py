@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -110,9 +110,15 @@ class Machine:
     card_masses: Masses | None = None  # as the card gives them
 
     def __hash__(self) -> int:
-        """Of what tells machines apart at a glance: gaits are looked up by machine each step."""
+        return self._at_a_glance
+
+    @cached_property
+    def _at_a_glance(self) -> int:
+        """A hash of what tells machines apart, worked out once: gaits are looked up by machine
+        several times a step. Of numbers alone, whose hash is the same in every process.
+        """
         first = self.legs[0]
-        return hash((self.name, self.speed, self.overreach, first.x, first.y, first.z))
+        return hash((self.mass, self.speed, self.overreach, first.x, first.y, first.z))
 
     @cached_property
     def gait(self) -> Gait:
@@ -206,6 +212,12 @@ class Machine:
         return Reach(x1, x_span, y1, y_span, -high, z_span)
 
     @cached_property
+    def critical_angle(self) -> float:
+        """α_c, where the walk along x turns over into the walk along y (H §4.3 (2)), rad."""
+        reach = self.reach
+        return math.atan((reach.y0 + reach.y_span / 2) / (reach.x0 + reach.x_span / 2))
+
+    @cached_property
     def z_range(self) -> tuple[float, float]:
         """Heights every leg can stand at: the intersection of the legs' z ranges."""
         return max(leg.z[0] for leg in self.legs), min(leg.z[1] for leg in self.legs)
@@ -256,7 +268,7 @@ def load_machine(name_or_path: str, relative_to: Path | None = None) -> Machine:
     what = f"robot file {name_or_path!r}"
     try:
         if name_or_path in machine_names():
-            return machine_from(parse_toml(_shipped(name_or_path), what))
+            return _shipped(name_or_path)
         path = (relative_to or Path()) / name_or_path
         if not names_toml_file(name_or_path) or not is_file(path):
             raise MachineError(
@@ -268,9 +280,14 @@ def load_machine(name_or_path: str, relative_to: Path | None = None) -> Machine:
         raise MachineError(str(error)) from None
 
 
-def _shipped(name: str) -> str:
+@cache
+def _shipped(name: str) -> Machine:
+    """The one instance of a shipped robot: what is looked up by machine is found at once by the
+    same one, by an equal one only after all of its numbers are compared.
+    """
     folder = resources.files("walking_console.planner.robot") / "descriptions"
-    return (folder / f"{name}.toml").read_text("utf-8")
+    text = (folder / f"{name}.toml").read_text("utf-8")
+    return machine_from(parse_toml(text, f"robot file {name!r}"))
 
 
 def machine_from(data: Mapping[str, Any]) -> Machine:

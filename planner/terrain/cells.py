@@ -41,8 +41,9 @@ class FootholdMap(NamedTuple):
         )
 
 
+@lru_cache(maxsize=1)
 def foothold_map(terrain: TerrainMap) -> FootholdMap:
-    """The landing view of a map."""
+    """The landing view of a map; steps in a row are planned on the same one."""
     return FootholdMap(
         terrain.forbidden_bytes,
         terrain.rows,

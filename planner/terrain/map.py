@@ -110,10 +110,17 @@ class TerrainMap(HeightGrid):
         holes = self.holes_bytes
         if not holes or self.edge <= 0.0:
             return True
-        around = (
-            (x + dx * self.edge, y + dy * self.edge) for dx in (-1.0, 1.0) for dy in (-1.0, 1.0)
-        )
-        return not any(flat >= 0 and holes[flat] for flat in (self.index(*at) for at in around))
+        x0, y0, cell, rows, columns, _ = self._look_up
+        edge = self.edge
+        left = max(math.floor((x - edge - x0) / cell), 0)
+        right = min(math.floor((x + edge - x0) / cell), columns - 1)
+        low = max(math.floor((y - edge - y0) / cell), 0)
+        high = min(math.floor((y + edge - y0) / cell), rows - 1)
+        for row in range(low, high + 1):
+            for column in range(left, right + 1):
+                if holes[row * columns + column]:
+                    return False
+        return True
 
     @cached_property
     def highest(self) -> float:

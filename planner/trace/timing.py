@@ -24,7 +24,7 @@ from ..motion.swing import (
     aim_of,
     between,
     carry_height,
-    peak,
+    peak_of,
     profile_of,
     stairs,
     swing_speeds,
@@ -50,7 +50,7 @@ def body_pace_max(machine: Machine, gait: Gait) -> float:
     the side or turning.
     """
     slower = min(machine.speed[0], machine.speed[1])
-    return PACE_SHARE * slower / peak(profile_of(gait)) / math.sqrt(2.0)
+    return PACE_SHARE * slower / peak_of(gait) / math.sqrt(2.0)
 
 
 class _Way:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from walking_console.planner.crab.step_plans import cruise_speed
-from walking_console.planner.motion.strides import critical_angle, stroke_length
+from walking_console.planner.motion.strides import stroke_length
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.types import TICK
 from walking_console.sim.runs.runner import run_scenario, succeeded
@@ -195,7 +195,7 @@ def test_every_direction_ends_in_its_own_standard_gait(told):
     assert angles.min() <= -150 and angles.max() == 180 and len(angles) == 12
     assert walk.summary["courses_unsettled"] == 0
     # no course lies near it: there s is a millimetre
-    assert math.degrees(critical_angle(walk.machine)) == pytest.approx(46.5, abs=0.1)
+    assert math.degrees(walk.machine.critical_angle) == pytest.approx(46.5, abs=0.1)
 
 
 @pytest.mark.parametrize("name", [name for name in NAMES if name != "fig16"])

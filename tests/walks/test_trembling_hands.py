@@ -10,7 +10,6 @@ from pathlib import Path
 
 import pytest
 
-from walking_console.planner.motion.strides import critical_angle
 from walking_console.planner.robot.model import Leg, Machine, as_data, load_machine
 from walking_console.server.toml_text import toml
 from walking_console.sim.runs.runner import run_scenario, succeeded
@@ -67,7 +66,7 @@ def test_a_tremor_of_one_degree_costs_at_most_3_percent_and_half_the_margin(
     machine: Machine, speed: float
 ) -> None:
     chance = random.Random(11)
-    middle = critical_angle(machine)
+    middle = machine.critical_angle
     hand = [middle + math.radians(chance.gauss(0.0, 1.0)) for _ in range(int(SECONDS / 0.05))]
     steady, kept = walked(machine, speed, [middle])
     distance, margin = walked(machine, speed, hand)

@@ -18,7 +18,7 @@ from walking_console.planner.crab.leg_selection import return_length
 from walking_console.planner.geometry.paths import ArcPath
 from walking_console.planner.initial_stance import Placement
 from walking_console.planner.motion.quarter_turns import quarter_turned
-from walking_console.planner.motion.strides import LIFT_ROOM, critical_angle
+from walking_console.planner.motion.strides import LIFT_ROOM
 from walking_console.planner.stability import stable_interval, support_polygon
 
 FLAT = lambda x, y: 0.0  # noqa: E731
@@ -54,7 +54,7 @@ def test_legs_swing_in_the_order_of_figure_6(degrees, sequence):
 
 
 def test_every_angle_folds_within_the_critical_angle_of_the_turned_machine():
-    critical = critical_angle(TITAN)
+    critical = TITAN.critical_angle
     for tenth in range(-1800, 1801):
         angle = math.radians(tenth / 10)
         nominal = nominal_gait(TITAN, gait(), angle)
@@ -71,7 +71,7 @@ def test_an_odd_turn_swaps_the_reach_and_relabels_the_legs():
 
 @pytest.mark.parametrize("duty_factor", [0.75, 0.8, 0.9])
 def test_exactly_at_the_critical_angle_the_machine_walks_on(duty_factor):
-    critical = critical_angle(TITAN)
+    critical = TITAN.critical_angle
     plans = walk(command(math.degrees(critical)), 16, settings=gait(duty_factor))
     assert not isinstance(plans[-1], Blocked)
     assert min(plan.margin_min - plan.standard_margin for plan in plans) > -1e-6

@@ -6,12 +6,12 @@ import pytest
 
 from walking_console.planner.motion.quarter_turns import (
     HYSTERESIS,
+    beside_critical,
     folded,
     half_width,
     quarter_turned,
     quarter_turns,
 )
-from walking_console.planner.motion.strides import critical_angle
 from walking_console.planner.robot.model import load_machine
 
 TITAN = load_machine("titan3")
@@ -42,7 +42,7 @@ def test_table_1_folds_every_crab_angle(degrees, n, rest):
 
 
 def test_a_stick_trembling_on_the_boundary_does_not_turn_the_gait_over():
-    critical = critical_angle(TITAN)
+    critical = TITAN.critical_angle
     n = quarter_turns(TITAN, critical - 0.01)
     for tremble in (0.0, 0.5, -0.5, 0.99, -0.99):
         n = quarter_turns(TITAN, critical + tremble * HYSTERESIS, n)
@@ -51,6 +51,13 @@ def test_a_stick_trembling_on_the_boundary_does_not_turn_the_gait_over():
     assert n == 1
     assert quarter_turns(TITAN, critical - 0.99 * HYSTERESIS, n) == 1
     assert quarter_turns(TITAN, critical - 1.01 * HYSTERESIS, n) == 0
+
+
+def test_the_nearest_boundary_is_that_of_the_nearest_range():
+    for degrees in range(-180, 181, 7):
+        angle = math.radians(degrees)
+        away = [abs(abs(folded(angle, n)) - half_width(TITAN, n)) for n in range(4)]
+        assert beside_critical(TITAN, angle) == pytest.approx(min(away), abs=1e-12)
 
 
 def test_quarter_turns_are_without_rounding():

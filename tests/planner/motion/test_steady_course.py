@@ -6,12 +6,11 @@ import random
 import pytest
 
 from walking_console.planner.motion.steady_course import MEANT, NEAR, steadied
-from walking_console.planner.motion.strides import critical_angle
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.types import Command, HeldCourse, Stance
 
 TITAN = load_machine("titan3")
-CRITICAL = critical_angle(TITAN)
+CRITICAL = TITAN.critical_angle
 FEET = ((0.45, 0.5, 0.0), (-0.45, 0.5, 0.0), (-0.45, -0.5, 0.0), (0.45, -0.5, 0.0))
 
 

@@ -10,7 +10,6 @@ from walking_console.planner.motion.strides import (
     STRETCHED_LIFT_ROOM,
     STROKE_MAX,
     centres_of,
-    critical_angle,
     kept,
     mechanical_boxes,
     planning_boxes,
@@ -31,7 +30,7 @@ def test_the_stroke_is_the_shorter_way_through_the_reach():
 
 def test_the_critical_angle_points_at_the_middle_of_the_reach():
     x, y = TITAN.legs[0].centre
-    assert critical_angle(TITAN) == pytest.approx(math.atan2(y, x))
+    assert TITAN.critical_angle == pytest.approx(math.atan2(y, x))
 
 
 def test_room_to_lift_is_kept_of_the_control_reach_only_where_the_overreach_has_none():

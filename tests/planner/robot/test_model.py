@@ -26,6 +26,15 @@ def test_a_robot_written_as_data_is_the_same_robot(name):
     assert machine_from(as_data(machine)) == machine
 
 
+def test_a_shipped_robot_is_loaded_once_and_an_equal_one_hashes_alike():
+    machine = load_machine("titan3")
+    assert load_machine("titan3") is machine
+    again = machine_from(as_data(machine))
+    assert again is not machine
+    assert hash(again) == hash(machine)
+    assert len({hash(load_machine(name)) for name in machine_names()}) == len(machine_names())
+
+
 def test_titan3_has_the_reach_of_the_specification():
     reach = load_machine("titan3").reach
     assert (reach.x0, reach.x_span, reach.y0, reach.y_span, reach.z0, reach.z_span) == (

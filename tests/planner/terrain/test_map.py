@@ -40,8 +40,17 @@ def test_no_foot_lands_within_a_centimetre_of_the_bottomless_unless_it_may():
     assert ground.allows(x - 0.011, y) and not ground.allows(x - 0.009, y)
     assert not ground.allows(x - 0.005, 0.495)  # at its corner
     assert all(ground.allows(*ground.centre(10, c)) for c in (9, 11))
+    assert ground.allows(0.005, 0.005)  # beyond the map there is nothing to keep off
     printed = TerrainMap(heights, np.isnan(heights), 0.05, (0.0, 0.0), edge=0.0)
     assert printed.allows(x - 0.001, y) and not printed.allows(x + 0.001, y)
+
+
+def test_a_foothold_keeps_off_a_hole_smaller_than_the_edge_to_keep():
+    heights = np.zeros((40, 40))
+    heights[20, 20] = np.nan
+    ground = TerrainMap(heights, np.isnan(heights), 0.005, (0.0, 0.0))
+    x, y = ground.centre(20, 20)
+    assert not ground.allows(x + 0.006, y) and ground.allows(x + 0.013, y)
 
 
 def test_what_has_not_been_seen_is_not_known():
