@@ -172,6 +172,27 @@ class Contact:
     # m beyond the rim of the foot that whiskers feel. More: see it take shown ground for a surprise
     whisker_tip: float = 0.05
 
+    def for_size(self, size: float) -> Contact:
+        """The same for a machine of this size (``Machine.size``): lengths that nobody has set
+        shrink with it.
+        """
+        usual = Contact()
+        lengths = {name: getattr(self, name) for name in LENGTHS_OF_CONTACT}
+        unset = {name: m for name, m in lengths.items() if m == getattr(usual, name)}
+        return replace(self, **{name: size * m for name, m in unset.items()})
+
+
+LENGTHS_OF_CONTACT = (
+    "retreat",
+    "keep_clear",
+    "lift_step",
+    "edge_length",
+    "wall_length",
+    "edge_depth",
+    "shy",
+    "whisker_tip",
+)
+
 
 @dataclass(frozen=True, slots=True)
 class Navigation:

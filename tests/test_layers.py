@@ -56,8 +56,8 @@ def planner_row(may: str, never: str = "") -> Rule:
 
 # The planner from the ground up: each folder may import those before it.
 FLOORS = (
-    "lazy types geometry config robot terrain protocols stability simplex statics search motion "
-    "initial_stance navigation control"
+    "lazy types geometry config robot terrain protocols stability simplex statics search "
+    "decision_log motion initial_stance navigation control"
 )
 
 

@@ -44,7 +44,8 @@ class Execution:
     ) -> None:
         self.machine = machine
         self.gait = gait
-        self.config = config or PlannerConfig()
+        given = config or PlannerConfig()
+        self.config = replace(given, contact=given.contact.for_size(machine.size))
         self.tolerances = self.config.tracking.within(plant or Tolerances())
         self._held_back = self.tolerances.held_back
         self._gains = self.config.gains

@@ -8,6 +8,7 @@ import math
 from collections.abc import Sequence
 
 from ..config import Contact
+from ..robot.model import Machine
 from ..types import Blocked, Command, Reason
 
 PLACE = 0.02  # m; encounters whose bodies are this near each other are at one place
@@ -22,11 +23,13 @@ class Setbacks:
     ``why`` says that there were too many: nothing is begun any more on this course.
     """
 
-    def __init__(self, settings: Contact, legs: int, yaw_length: float) -> None:
+    def __init__(self, settings: Contact, machine: Machine) -> None:
         self.why: Blocked | None = None
         self._encounters_max = settings.setbacks_max
-        self._steps_max = settings.steps_max * legs
-        self._yaw_length = yaw_length
+        self._steps_max = settings.steps_max * len(machine.legs)
+        self._yaw_length = machine.yaw_length
+        self._place = machine.size * PLACE
+        self._got_on = machine.size * GOT_ON
         self._command = Command()
         self._places: list[tuple[float, float, int]] = []
         self._began = (math.inf, math.inf, 0.0)  # x, y, yaw where the steps are counted from
@@ -38,7 +41,7 @@ class Setbacks:
         x, y = body[0], body[1]
         count = 1
         for place in self._places:
-            if math.hypot(place[0] - x, place[1] - y) <= PLACE:
+            if math.hypot(place[0] - x, place[1] - y) <= self._place:
                 count = place[2] + 1
                 x, y = place[0], place[1]
                 self._places.remove(place)
@@ -52,7 +55,7 @@ class Setbacks:
         self.heed(command)
         x, y, yaw = self._began
         turned = self._yaw_length * (body[3] - yaw)
-        if math.hypot(body[0] - x, body[1] - y, turned) > GOT_ON:
+        if math.hypot(body[0] - x, body[1] - y, turned) > self._got_on:
             self._began = body[0], body[1], body[3]
             self._steps = 0
         self._steps += 1

@@ -50,8 +50,7 @@ class WalkState:
         self.crab_angle = crab_angle
         self.posture = "stand"
         self.hovered = Activity.STEP
-        machine = run.machine
-        self.setbacks = Setbacks(run.config.contact, len(machine.legs), machine.yaw_length)
+        self.setbacks = Setbacks(run.config.contact, run.machine)
         self._braking: Braking | None = None  # of the body, until what it does next is played
 
     @property

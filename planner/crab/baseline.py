@@ -11,11 +11,11 @@ from ..geometry.paths import line_exit
 from ..motion.leg_order import SUCCESSOR
 from ..terrain.cells import foothold_map
 from ..types import Blocked, Reason, StepPlan
-from .decision_log import StepRefusal
 from .foothold_checks import FootholdChecks
 from .gait import Posture, nominal_gait, posture_of
 from .leg_selection import planned_margin, shift_of
 from .step_plans import build
+from .step_refusals import StepRefusal
 from .steps import Landing, Shift, StepRequest, SwingStep
 
 FIRST = 0  # H's leg 1 begins

@@ -9,13 +9,13 @@ from collections.abc import Iterable, Iterator
 from copy import copy
 from typing import Any, NamedTuple
 
+from ..decision_log import DecisionLog
 from ..geometry.paths import corners_of_box, line_exit
 from ..geometry.polygons import inside_of, nearest_of
 from ..geometry.transforms import XY
 from ..search import Branch, thinned
 from ..terrain.cells import FootholdMap, foothold_map, one_of_each_block
 from ..types import Stance
-from .decision_log import DecisionLog, StepRefusal
 from .foothold_checks import FootholdChecks
 from .gait import Posture, nominal_gait, posture_of
 from .leg_selection import (
@@ -33,6 +33,7 @@ from .leg_selection import (
     steps_to,
     triangle_of,
 )
+from .step_refusals import StepRefusal
 from .steps import BodyShift, Candidate, Landing, Shift, StepRequest, SwingStep
 
 SMALL = 0.003  # m, the least margin that is asked for; at 0 a millimetre of servo error is outside
@@ -69,7 +70,10 @@ class SearchContext:
         self.here = FootholdChecks(posture, request)
         self.start = Node(posture, None if self.here.is_level else stance)
         self._latest = self.start, self.here  # most is asked of one node after the other
-        self.least = min(LEAST, self.nominal.margin)  # m, that every step must keep
+        size = self.nominal.size
+        self.least = min(LEAST * size, self.nominal.margin)  # m, that every step must keep
+        self.smallest = SMALL * size  # m, the least margin asked for
+        self.on_the_spot = ON_THE_SPOT * size
         self.must_get_on = stance.still >= STILL_MAX
 
     def to_the_edge(self) -> SearchContext:
@@ -82,7 +86,8 @@ class SearchContext:
         """False for one more first step on the spot when there have been enough: each leads to a
         better next one, for ever.
         """
-        return not (self.must_get_on and node is self.start) or self.way(candidate) >= ON_THE_SPOT
+        may_stay = not (self.must_get_on and node is self.start)
+        return may_stay or self.way(candidate) >= self.on_the_spot
 
     def way(self, candidate: Candidate) -> float:
         """How far the body gets on along the course, m."""
@@ -193,11 +198,11 @@ def accepted(shift: Shift, steps: Iterable[SwingStep], accepts: Accepts) -> Iter
 
 def wide_shifts(context: SearchContext, posture: Posture, leg: int, short: bool) -> list[Shift]:
     """``free_shift`` with the smallest margin: on as far as the triangle carries, half, or not."""
-    shift = free_shift(posture, leg, SMALL)
+    shift = free_shift(posture, leg, context.smallest)
     if isinstance(shift, StepRefusal):
         return []
     g0, g = shift.g0, shift.g
-    ways = (g, (g0 + g) / 2, g0) if short and g > g0 + 0.02 else (g,)
+    ways = (g, (g0 + g) / 2, g0) if short and g > g0 + 2 * context.on_the_spot else (g,)
     shifts = (within_margin(context.least, shift._replace(g=way)) for way in ways)
     return [shift for shift in shifts if shift is not None]
 
@@ -216,7 +221,7 @@ def steps_anywhere(posture: Posture, shift: Shift, cells: FootholdMap) -> Iterat
             return None
         return SwingStep(leg, g0, g, (x, y), Landing(x, y, ax, ay), margin, False)
 
-    return one_of_each_block(cells, posture.around(box), SPACING, step_to)
+    return one_of_each_block(cells, posture.around(box), SPACING * posture.nominal.size, step_to)
 
 
 # shifts of the body on four legs
@@ -225,9 +230,10 @@ def steps_anywhere(posture: Posture, shift: Shift, cells: FootholdMap) -> Iterat
 def body_shifts(posture: Posture) -> Iterator[BodyShift]:
     """The shortest four-leg shift into each triangle of legs that stay when one swings."""
     room = shift_room(posture)
+    inset = INSET * posture.nominal.size
     for leg in range(4):
-        region = inside_of(room, triangle_of(posture, leg), INSET)
-        shift = shortest_shift(posture, [region], 2 * INSET)
+        region = inside_of(room, triangle_of(posture, leg), inset)
+        shift = shortest_shift(posture, [region], 2 * inset)
         if shift is not None:
             yield shift
 

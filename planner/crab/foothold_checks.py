@@ -23,8 +23,8 @@ from ..motion.step_builder import with_feet
 from ..motion.swing import CLEARANCE
 from ..robot.collision import SteppingLegs, something_tall
 from ..types import Point, Stance
-from .decision_log import StepRefusal
 from .gait import Posture
+from .step_refusals import StepRefusal
 from .steps import Landing, Shift, StepRequest, SwingStep
 
 LEVEL = 0.005  # m; feet this close to the height of level ground stand on it: no height to plan

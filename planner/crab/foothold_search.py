@@ -11,13 +11,14 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from ..decision_log import DecisionLog, note_cell
 from ..geometry.paths import NOWHERE, Box, bounded_by, corners_of_box, line_exit
 from ..geometry.polygons import clipped, nearest_of
 from ..geometry.transforms import XY
 from ..motion.leg_order import FRONT_ACROSS, IS_FRONT, IS_LEFT, PREDECESSOR, REAR_ACROSS
 from ..terrain.cells import FootholdMap, cells_across
-from .decision_log import DecisionLog, StepRefusal, note_cell
 from .gait import NominalGait, Posture
+from .step_refusals import StepRefusal
 from .steps import Landing
 
 NEAR = 1e-9  # m; rounding: a point this far outside a limit is on it

@@ -65,6 +65,7 @@ class NominalGait:
     ends: tuple[float, ...]  # from C_i to the end of the stroke
     spares: tuple[float, ...]  # from there to the end of the reach; 0 on a line
     stride: float  # λ*
+    size: float  # of the machine, which metres are taken times
     order: LegOrder
     # how much later than u* leg u leaves its stroke: g of its nominal step, on a line (1-β)/β·λ* of
     # a front leg, (β-1/2)/β·λ* of a hind leg
@@ -108,7 +109,8 @@ class Posture:
         path = self.nominal.path
         reach = zip(self.feet, self.nominal.boxes, strict=True)
         if path.turn != 0.0:
-            return tuple([arc_exit(fx, fy, box, path, EARLY) for (fx, fy), box in reach])
+            early = self.nominal.size * EARLY
+            return tuple([arc_exit(fx, fy, box, path, early) for (fx, fy), box in reach])
         ux, uy, _ = path
         return tuple([max(0.0, line_exit(fx, fy, box, ux, uy)) for (fx, fy), box in reach])
 
@@ -216,7 +218,7 @@ def _on_line(
         (n, crab_angle + (alpha - asked)),
         duty_factor,
         (boxes, mechanical_boxes(machine, n)),
-        Strokes(centres_of(boxes), (stride / 2,) * 4, (0.0,) * 4, stride),
+        Strokes(centres_of(boxes), (stride / 2,) * 4, (0.0,) * 4, stride, machine.size),
         standard_order(stride, duty_factor),
     )
 
@@ -229,7 +231,7 @@ def _on_arc(machine: Machine, duty_factor: float, path: ArcPath, course: float) 
         (0, course),
         duty_factor,
         (boxes, mechanical_boxes(machine, 0)),
-        strokes_on(boxes, path),
+        strokes_on(boxes, path)._replace(size=machine.size),
         order_on(machine, duty_factor, path),
     )
 
@@ -243,7 +245,7 @@ def _described(
     order: LegOrder,
 ) -> NominalGait:
     """The description of a walk whose strokes and order are known."""
-    centres, ends, _, stride = strokes
+    centres, ends, _, stride, _ = strokes
     landed = order.landed
     lags = tuple(
         ((landed[u] - landed[order.predecessor[u]]) % 1.0) / duty_factor * stride for u in range(4)

@@ -12,14 +12,15 @@ import math
 from collections.abc import Callable, Iterator
 from itertools import chain
 
+from ..decision_log import DecisionLog, note_cell, note_leg, note_reason
 from ..geometry.polygons import Polygon, triangle
 from ..geometry.transforms import direction
 from ..motion.leg_order import IS_FRONT, OTHERS, SUCCESSOR
 from ..stability import stable_interval, stable_on
 from ..terrain.cells import FootholdMap
-from .decision_log import DecisionLog, StepRefusal, note_cell, note_leg, note_reason
 from .foothold_search import domain_of, landings
 from .gait import AGREEMENT, Posture
+from .step_refusals import StepRefusal
 from .steps import BodyShift, Landing, Shift, SwingStep
 
 # looked up once: members of an Enum are found slowly

@@ -17,7 +17,6 @@ from typing import NamedTuple
 from ..motion.leg_order import SUCCESSOR
 from ..search import Branch, Found, Option, Search, beam, firsts, ranked, rollouts
 from .candidates import (
-    SMALL,
     Node,
     SearchContext,
     body_shifts,
@@ -118,7 +117,7 @@ def _back_to_standard(context: SearchContext) -> StepSearch:
     start = context.start
     s0 = context.nominal.margin
     gain = gain_with(context, OPEN_MARGIN_WEIGHT)
-    near = near_steps(context, start, (s0, min(SMALL, s0)), 3)
+    near = near_steps(context, start, (s0, min(context.smallest, s0)), 3)
     first = _options(context, start, chain(near, any_steps(context, start)), gain)
     return (yield from rollouts(first, policy_with(context, gain), BACK_STEPS))
 
@@ -128,7 +127,7 @@ def look_near(context: SearchContext) -> StepSearch:
     as much as way made.
     """
     gain = gain_with(context, MARGIN_WEIGHT)
-    least = min(SMALL, context.nominal.margin)
+    least = min(context.smallest, context.nominal.margin)
 
     def options(node: Node, depth: int) -> Iterator[Option[Node, Candidate]]:
         margins = (context.nominal.margin, least) if depth < TWO_MARGINS else (least,)

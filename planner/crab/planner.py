@@ -4,10 +4,10 @@ clock (H §3, §5-§7).
 
 from __future__ import annotations
 
+from ..decision_log import DecisionLog, reasons_of
 from ..protocols import run_to_completion
 from ..terrain.cells import foothold_map
 from ..types import Blocked, Reason, StepPlan
-from .decision_log import DecisionLog, reasons_of
 from .foothold_checks import FootholdChecks
 from .gait import nominal_gait, posture_of, turns
 from .leg_selection import decide

@@ -6,13 +6,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from ..decision_log import DecisionLog, note_search
 from ..geometry.transforms import turned_back
 from ..motion.step_builder import changed
 from ..protocols import PlanningJob
 from ..search import uninterruptible
 from ..types import StepPlan
-from .candidates import ON_THE_SPOT, SearchContext, entry_of
-from .decision_log import DecisionLog, note_search
+from .candidates import SearchContext, entry_of
 from .gait import turns
 from .lookahead_search import GETS_ON, STUCK, Branches, SearchResult, choose, standard_way
 from .recovery import blocked, by_stretching, is_strained, way_out
@@ -66,7 +66,7 @@ def _answer(
         if log is not None:
             log["escape"] = recovery.kind
         plan = first_that_passes(recovery.context, recovery.ways, log)
-    if plan is None and result.ways and result.ways[0].gain >= LEFT:
+    if plan is None and result.ways and result.ways[0].gain >= LEFT * context.nominal.size:
         plan = first_that_passes(context, result.ways, log)
     return plan or blocked(context, result.ways, log)
 
@@ -82,7 +82,7 @@ def first_that_passes(
             x, y, _, yaw = request.stance.body
             end_x, end_y, _, _ = plan.end.body
             course = yaw + request.command.crab_angle
-            if turned_back(end_x - x, end_y - y, course)[0] >= ON_THE_SPOT:
+            if turned_back(end_x - x, end_y - y, course)[0] >= context.on_the_spot:
                 return plan
             return changed(plan, end=replace(plan.end, still=request.stance.still + 1))
     return None

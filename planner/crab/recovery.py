@@ -15,9 +15,9 @@ from dataclasses import replace
 from itertools import islice
 from typing import NamedTuple
 
+from ..decision_log import DecisionLog, reasons_of, refused_cells
 from ..types import Blocked, Reason
 from .candidates import SearchContext, near_steps
-from .decision_log import DecisionLog, reasons_of, refused_cells
 from .lookahead_search import DEPTH, Branches, best_of, is_open, look_near, standard_way
 
 # degrees against the commanded course, in the order they are tried
@@ -70,8 +70,9 @@ def is_strained(context: SearchContext) -> bool:
     ground ahead is not open.
     """
     feet = context.start.posture.feet
+    strain = STRAIN * context.nominal.size
     beyond = any(
-        not (x1 - STRAIN <= x <= x2 + STRAIN and y1 - STRAIN <= y <= y2 + STRAIN)
+        not (x1 - strain <= x <= x2 + strain and y1 - strain <= y <= y2 + strain)
         for (x, y), (x1, x2, y1, y2) in zip(feet, context.nominal.boxes, strict=True)
     )
     return beyond and not is_open(context)

@@ -12,6 +12,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from itertools import chain
 
+from ..decision_log import DecisionLog
 from ..geometry.paths import arc_exit, corners_of_box, line_exit
 from ..geometry.transforms import XY, turned_back
 from ..motion.quarter_turns import quarter_turned
@@ -29,7 +30,6 @@ from ..motion.timing import (
 )
 from ..robot.model import Machine
 from ..types import Blocked, Gait, Point, Reason, Stance, StepPlan
-from .decision_log import DecisionLog
 from .foothold_checks import FootholdChecks
 from .foothold_search import corners_of, domain_of
 from .gait import EARLY, NominalGait, Posture, nominal_gait
@@ -199,13 +199,15 @@ def _room(nominal: NominalGait, posture: Posture, step: SwingStep) -> tuple[floa
     if turn == 0.0:
         behind = line_exit(fx, fy, box, ux, uy) - step.g0
         beyond = line_exit(x - ux * step.g, y - uy * step.g, box, -ux, -uy)
-        return max(behind, STRETCHED_LIFT_ROOM), max(beyond, STRETCHED_LIFT_ROOM)
+        least = nominal.size * STRETCHED_LIFT_ROOM
+        return max(behind, least), max(beyond, least)
     x, y = path.seen(x, y, step.g)
     behind = arc_exit(fx, fy, box, path) - step.g0
     beyond = arc_exit(x, y, box, path.reversed())
     # a foot that touches early, at mid-descent, is no farther than that beyond its place
     drift = max(*map(abs, path.rate(x, y)), 1e-9)
-    return max(behind, EARLY / 2), min(max(beyond, EARLY / 2), 2 * EARLY / drift)
+    early = nominal.size * EARLY
+    return max(behind, early / 2), min(max(beyond, early / 2), 2 * early / drift)
 
 
 def _courses(nominal: NominalGait, places: Iterable[XY]) -> tuple[XY, ...]:

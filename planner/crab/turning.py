@@ -16,6 +16,7 @@ from dataclasses import replace
 from operator import itemgetter
 from typing import NamedTuple
 
+from ..decision_log import DecisionLog, note_cell, note_leg, note_reason, note_search
 from ..geometry.paths import arc_exit
 from ..geometry.polygons import inside_of
 from ..geometry.transforms import XY, left_fold_sum
@@ -26,7 +27,6 @@ from ..stability import polygon_margin_on, stable_on
 from ..terrain.cells import FootholdMap, cells_around, foothold_map
 from ..types import Blocked, Reason, StepPlan
 from .candidates import entry_of, shift_room, shortest_shift
-from .decision_log import DecisionLog, StepRefusal, note_cell, note_leg, note_reason, note_search
 from .foothold_checks import FootholdChecks
 from .foothold_search import phase_point
 from .gait import Posture, nominal_gait_of, posture_of
@@ -40,6 +40,7 @@ from .leg_selection import (
     triangle_of,
 )
 from .step_plans import plan_of
+from .step_refusals import StepRefusal
 from .steps import BodyShift, Candidate, Landing, Shift, StepRequest, SwingStep
 
 # steps a sequence is long, sequences kept, and for how many of its steps feet may come down
@@ -98,8 +99,10 @@ class TurnSearch:
         duty = nominal.duty_factor
         self.full = (1.0 - duty) / duty * nominal.stride  # m, the way of a swing of the walk
         self.useful = USEFUL * self.full
-        comfort = min(INSET, INSET_SHARE * nominal.margin)
-        self.insets = (comfort, THIN, BARE) if comfort > THIN else (THIN, BARE)
+        size = nominal.size
+        thin = size * THIN
+        comfort = min(size * INSET, INSET_SHARE * nominal.margin)
+        self.insets = (comfort, thin, size * BARE) if comfort > thin else (thin, size * BARE)
         self.root = TurnNode(checks.posture)
         self.in_need = stance.still >= STILL_MAX  # the way that gets on soonest is the best
         self.anywhere = 0  # steps in which feet may come down anywhere in reach
@@ -142,8 +145,8 @@ class TurnSearch:
             return TurnNode(posture, node.way, True), -math.hypot(candidate.x, candidate.y)
         posture = after(node.posture, candidate)
         lost = max(0.0, self.full - (candidate.g - candidate.g0))
-        if candidate.margin < THIN:
-            lost += THIN_COST
+        if candidate.margin < self.nominal.size * THIN:
+            lost += self.nominal.size * THIN_COST
         return TurnNode(posture, node.way + candidate.g), candidate.g - lost
 
     # what can be done next
@@ -264,7 +267,7 @@ class TurnSearch:
                 for inset, here in insets
                 for region in (inside_of(here, triangle, inset, ahead_x, ahead_y), here)
             )
-            shift = shortest_shift(node.posture, regions, SHIFT_MIN)
+            shift = shortest_shift(node.posture, regions, self.nominal.size * SHIFT_MIN)
             if shift is not None:
                 yield shift
 

@@ -126,7 +126,7 @@ def _least_margin(
     path: ArcPath, strokes: Strokes, duty_factor: float, landed: tuple[float, ...], enough: float
 ) -> float:
     """Least polygon margin over a cycle; gives up once it is no better than ``enough``."""
-    centres, ends, _, stride = strokes
+    centres, ends, _, stride, _ = strokes
     least = math.inf
     for leg in range(4):
         for look in LOOKS:

@@ -31,6 +31,7 @@ class Strokes(NamedTuple):
     ends: tuple[float, ...]  # from C_i to the end of the stroke
     spares: tuple[float, ...]  # from there to the end of the reach
     stride: float  # λ*
+    size: float = 1.0  # of the machine, as in ``Machine``
 
 
 def stroke_length(x_span: float, y_span: float, crab_angle: float) -> float:
@@ -41,9 +42,16 @@ def stroke_length(x_span: float, y_span: float, crab_angle: float) -> float:
     return min(along_x, along_y)
 
 
-def kept(overreach: float, stretched: bool) -> float:
-    """By how much footholds are planned inside the control reach, m; negative: outside it."""
-    return STRETCHED_LIFT_ROOM - overreach if stretched else max(0.0, LIFT_ROOM - overreach)
+def kept(machine: Machine, stretched: bool) -> XY:
+    """By how much footholds are planned inside the control reach along x and y, m; negative:
+    outside it.
+    """
+    over_x, over_y, _ = machine.overreach
+    if stretched:
+        room = machine.size * STRETCHED_LIFT_ROOM
+        return room - over_x, room - over_y
+    room = machine.size * LIFT_ROOM
+    return max(0.0, room - over_x), max(0.0, room - over_y)
 
 
 def planning_boxes(machine: Machine, quarter_turns: int, stretched: bool) -> Boxes:
@@ -51,8 +59,8 @@ def planning_boxes(machine: Machine, quarter_turns: int, stretched: bool) -> Box
     many quarter turns; odd numbers swap (x0, x*) with (y0, y*) (H table 1). Of legs that are not
     mirrored it is the part they have in common.
     """
-    over_x, over_y, _ = machine.overreach
-    return _widened(machine, quarter_turns, -kept(over_x, stretched), -kept(over_y, stretched))
+    kept_x, kept_y = kept(machine, stretched)
+    return _widened(machine, quarter_turns, -kept_x, -kept_y)
 
 
 def mechanical_boxes(machine: Machine, quarter_turns: int) -> Boxes:

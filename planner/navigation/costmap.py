@@ -177,7 +177,7 @@ def is_plain(region: Region, stance: Stance, terrain: TerrainMap) -> bool:
 
 def stretched_boxes(machine: Machine) -> tuple[Box, ...]:
     """Every leg's reach rectangle where it stretches to the mechanical limit (``escape``)."""
-    dx, dy = (-kept(over, stretched=True) for over in machine.overreach[:2])
+    dx, dy = (-less for less in kept(machine, stretched=True))
     return tuple((x1 - dx, x2 + dx, y1 - dy, y2 + dy) for x1, x2, y1, y2 in machine.boxes)
 
 

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ..geometry.paths import Box
+from ..geometry.transforms import left_fold_sum
 from ..types import Gait
 from .card import (
     LENGTH_MAX,
@@ -43,6 +44,8 @@ LINK_SHARES = (0.25, 0.45, 0.30)
 FOOT_MAX = 0.5  # m
 CRAB_LEGS = 4
 LEAST_BOX = 0.02  # m; a box the crab planner cannot take a step in
+# m, of a leg's reach, mean of length and width: what lengths in metres were chosen for
+FULL_SIZE = 0.2
 
 
 class MachineError(ValueError):
@@ -179,6 +182,14 @@ class Machine:
             (max(-half_length, min(half_length, x)), max(-half_width, min(half_width, y)))
             for x, y in (leg.centre for leg in self.legs)
         )
+
+    @cached_property
+    def size(self) -> float:
+        """What a small machine has of a length that was chosen in metres, 0 to 1: insets, lifts and
+        spacings of a machine whose legs reach less than ``FULL_SIZE`` shrink with its reach.
+        """
+        spans = [leg.x[1] - leg.x[0] + leg.y[1] - leg.y[0] for leg in self.legs]
+        return min(1.0, left_fold_sum(spans) / (2 * len(spans)) / FULL_SIZE)
 
     @cached_property
     def mirrored_box(self) -> Box:

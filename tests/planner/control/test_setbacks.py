@@ -2,6 +2,7 @@
 
 from walking_console.planner.config import Contact
 from walking_console.planner.control.setbacks import Setbacks
+from walking_console.planner.robot.model import load_machine
 from walking_console.planner.types import Command, Reason
 
 AHEAD = Command(0.0, 0.1)
@@ -9,14 +10,14 @@ SETTINGS = Contact(setbacks_max=3, steps_max=2)
 
 
 def noted(*places, command=AHEAD):
-    setbacks = Setbacks(SETTINGS, 4, 0.8)
+    setbacks = Setbacks(SETTINGS, load_machine("titan3"))
     for x in places:
         setbacks.note((x, 0.0, 0.7), command)
     return setbacks
 
 
 def stepped(*places, command=AHEAD):
-    setbacks = Setbacks(SETTINGS, 4, 0.8)
+    setbacks = Setbacks(SETTINGS, load_machine("titan3"))
     for x, yaw in places:
         setbacks.note_step((x, 0.0, 0.7, yaw), command)
     return setbacks

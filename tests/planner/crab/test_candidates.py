@@ -20,9 +20,9 @@ from walking_console.planner.crab.candidates import (
     wide_steps,
     within_margin,
 )
-from walking_console.planner.crab.decision_log import StepRefusal
 from walking_console.planner.crab.gait import standard_stance
 from walking_console.planner.crab.leg_selection import triangle_of
+from walking_console.planner.crab.step_refusals import StepRefusal
 from walking_console.planner.crab.steps import Landing, Shift, StepRequest, SwingStep
 from walking_console.planner.initial_stance import Placement
 from walking_console.planner.stability import polygon_margin

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from tests.planner.crab.crab_walks import TITAN, Blocked, command, gait, holes, relief, walk
-from walking_console.planner.crab.decision_log import StepRefusal
 from walking_console.planner.crab.foothold_checks import FootholdChecks
 from walking_console.planner.crab.gait import nominal_gait, posture_of, standard_stance
 from walking_console.planner.crab.leg_selection import decide
 from walking_console.planner.crab.planner import plan_step
+from walking_console.planner.crab.step_refusals import StepRefusal
 from walking_console.planner.crab.steps import Shift, StepRequest
 from walking_console.planner.initial_stance import Placement
 from walking_console.planner.robot.collision import TALL

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from tests.planner.crab.crab_walks import TITAN, Blocked, command, gait, holes, random_stance, walk
-from walking_console.planner.crab.decision_log import StepRefusal
 from walking_console.planner.crab.gait import (
     Posture,
     nominal_gait,
@@ -23,6 +22,7 @@ from walking_console.planner.crab.leg_selection import (
     return_length,
     shift_of,
 )
+from walking_console.planner.crab.step_refusals import StepRefusal
 from walking_console.planner.initial_stance import Placement
 from walking_console.planner.motion.leg_order import IS_FRONT, SUCCESSOR
 from walking_console.planner.terrain.cells import foothold_map

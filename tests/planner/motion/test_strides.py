@@ -1,6 +1,7 @@
 """Strokes, the critical angle and the rectangles in which footholds are planned."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -34,9 +35,10 @@ def test_the_critical_angle_points_at_the_middle_of_the_reach():
 
 
 def test_room_to_lift_is_kept_of_the_control_reach_only_where_the_overreach_has_none():
-    assert kept(0.05, stretched=False) == 0.0
-    assert kept(0.005, stretched=False) == pytest.approx(LIFT_ROOM - 0.005)
-    assert kept(0.05, stretched=True) == pytest.approx(STRETCHED_LIFT_ROOM - 0.05)
+    tight = replace(TITAN, overreach=(0.05, 0.005, 0.15))
+    assert kept(tight, stretched=False) == (0.0, pytest.approx(LIFT_ROOM - 0.005))
+    stretched = STRETCHED_LIFT_ROOM - 0.05, STRETCHED_LIFT_ROOM - 0.005
+    assert kept(tight, stretched=True) == pytest.approx(stretched)
 
 
 @pytest.mark.parametrize("turns", range(4))

@@ -14,35 +14,6 @@ from typing import Any
 DecisionLog = dict[str, Any]
 
 
-class StepRefusal(Enum):
-    """Why a leg cannot swing or a foothold cannot be used; the value is the text that is shown."""
-
-    # of the swing of a leg, whatever its foothold (H §5.2)
-    MISSES = "the course misses the triangle of the other feet"
-    LEFT = "the centre of gravity has already left the triangle of the other feet"
-    NOT_YET = "the centre of gravity is not yet in the triangle of the other feet"
-    TOO_LATE = (
-        "the centre of gravity cannot enter the triangle of the other feet before a leg leaves "
-        "its reach"
-    )
-    UNCARRIED = "the centre of gravity would leave the feet on the way into the triangle"
-    NO_FOOTHOLD = "no foothold in the search domain"
-    NONE_IN_REACH = "no foothold in reach"
-    NOTHING = "the step would change nothing"
-    # of a foothold (H §5.3, §6)
-    PROHIBITED = "prohibited cell"
-    OUT_OF_REACH = "out of reach"
-    METHOD_III = "on the other side of the course (method III)"
-    METHOD_I = "the hind leg after next could not swing (method I)"
-    METHOD_II = "the front leg of this side could not swing next (method II)"
-    UNKNOWN_GROUND = "no ground known there"
-    TOO_UNEVEN = "too high or too low for the legs to reach together"
-    LIFT = "the foot cannot be lifted over the ground on the way"
-    TALL = "a leg would run into something tall"
-    # whatever the foothold: no use to try another with this shift
-    STANDING_LEG = "a leg that stands would run into something tall"
-
-
 def note_leg(log: DecisionLog | None, leg: int, **facts: Any) -> DecisionLog | None:
     """A leg of the machine (0-based) that was tried: the entry its further fate is noted in."""
     if log is None:
@@ -52,13 +23,13 @@ def note_leg(log: DecisionLog | None, leg: int, **facts: Any) -> DecisionLog | N
     return trial
 
 
-def note_reason(trial: DecisionLog | None, reason: StepRefusal) -> None:
+def note_reason(trial: DecisionLog | None, reason: Enum) -> None:
     """Why nothing came of a leg."""
     if trial is not None:
         trial["reason"] = reason.value
 
 
-def note_cell(trial: DecisionLog | None, ax: float, ay: float, reason: StepRefusal) -> None:
+def note_cell(trial: DecisionLog | None, ax: float, ay: float, reason: Enum) -> None:
     """A foothold of a leg, in the absolute frame, that was refused."""
     if trial is not None:
         trial["refused"].append({"x": ax, "y": ay, "reason": reason.value})

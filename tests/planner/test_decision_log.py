@@ -1,7 +1,7 @@
 """The decision log: filled only when there is one, and what is read out of it."""
 
-from walking_console.planner.crab.decision_log import (
-    StepRefusal,
+from walking_console.planner.crab.step_refusals import StepRefusal
+from walking_console.planner.decision_log import (
     note_cell,
     note_leg,
     note_reason,

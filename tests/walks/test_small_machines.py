@@ -1,0 +1,56 @@
+"""Machines that are titan3 made smaller: lengths chosen in metres shrink with their reach."""
+
+from functools import cache
+
+import pytest
+
+from walking_console.planner.config import Contact
+from walking_console.planner.robot.model import Machine, as_data, load_machine, machine_from
+from walking_console.sim.scenario import Scenario
+from walking_console.sim.simulation import Simulation
+
+LENGTHS = ("torso", "speed", "overreach")
+SINGLE = ("height", "foot_radius", "yaw_length", "lift_up", "lift_down")
+
+
+@cache
+def small(share: float) -> Machine:
+    """titan3 times so much, speeds too, its joints and masses left out."""
+    data = as_data(load_machine("titan3"))
+    for key in LENGTHS:
+        data[key] = [share * value for value in data[key]]
+    for key in SINGLE:
+        data[key] *= share
+    for leg in data["legs"]:
+        del leg["hip"], leg["chain"]
+        for axis in "xyz":
+            leg[axis] = [share * value for value in leg[axis]]
+    del data["masses"]
+    data.pop("chain", None)
+    return machine_from(data)
+
+
+def walked(share: float, mode: str, seconds: float = 15.0, **terrain: object) -> Simulation:
+    ground = terrain or {"kind": "flat"}
+    scenario = {"robot": as_data(small(share)), "mode": mode, "terrain": ground}
+    sim = Simulation(Scenario.model_validate(scenario))
+    sim.drive(speed=share)
+    sim.run(seconds=seconds)
+    return sim
+
+
+def test_machines_from_a_reach_of_20_cm_on_are_full_size():
+    assert load_machine("titan3").size == load_machine("hexapod").size == small(0.5).size == 1.0
+    assert small(0.2).size == pytest.approx(0.2 * 0.425 / 0.2)
+
+
+@pytest.mark.parametrize("share", [0.2, 0.1])
+def test_a_small_machine_walks_level_ground_as_a_large_one_does(share):
+    whole = walked(1.0, "paper").distance
+    assert walked(share, "paper").distance / share == pytest.approx(whole, rel=0.2)
+
+
+def test_what_nobody_has_set_of_contact_shrinks_and_what_is_set_stays():
+    contact = Contact(lift_step=0.07).for_size(0.5)
+    assert contact.retreat == pytest.approx(0.025) and contact.lift_step == 0.07
+    assert Contact().for_size(1.0) == Contact()
