@@ -168,7 +168,9 @@ class Rough(Generated):
             rng.uniform(0.0, 2 * math.pi, self.WAVES),
             rng.uniform(0.0, 2 * math.pi, self.WAVES),
         )
-        wave = 2 * math.pi / (self.length * 4.0 ** rng.uniform(0.0, 1.0, self.WAVES))
+        # one by one: what numpy makes of a power depends on the processor it runs on
+        longer = np.array([math.pow(4.0, u) for u in rng.uniform(0.0, 1.0, self.WAVES).tolist()])
+        wave = 2 * math.pi / (self.length * longer)
         heights = np.zeros((site.y.size, site.x.size))
         for k, a, p in zip(wave, heading, phase, strict=True):
             c, s = direction(a)
