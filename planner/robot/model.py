@@ -111,6 +111,9 @@ class Machine:
     legs: tuple[Leg, ...]
     card_chains: tuple[LegChain, ...] = ()  # as the card gives them; (): it gives none
     card_masses: Masses | None = None  # as the card gives them
+    # m, mean length and width of the legs' reach as the card has it; 0: of these legs. Legs planned
+    # for with less, as on slopes, belong to no smaller a machine
+    card_span: float = 0.0
 
     def __hash__(self) -> int:
         return self._at_a_glance
@@ -188,8 +191,7 @@ class Machine:
         """What a small machine has of a length that was chosen in metres, 0 to 1: insets, lifts and
         spacings of a machine whose legs reach less than ``FULL_SIZE`` shrink with its reach.
         """
-        spans = [leg.x[1] - leg.x[0] + leg.y[1] - leg.y[0] for leg in self.legs]
-        return min(1.0, left_fold_sum(spans) / (2 * len(spans)) / FULL_SIZE)
+        return min(1.0, (self.card_span or _mean_span(self.legs)) / FULL_SIZE)
 
     @cached_property
     def mirrored_box(self) -> Box:
@@ -248,6 +250,12 @@ _TRIPLES = ("torso", "speed", "overreach")
 _WORDS = ("name", "title", "source")
 _KNOWN = (*_WORDS, *_NUMBERS, *_TRIPLES, "chain", "masses", "legs")
 _LEG_KEYS = ("name", "x", "y", "z", "hip", "chain")
+
+
+def _mean_span(legs: Sequence[Leg]) -> float:
+    """Mean length and width of what the legs reach, m."""
+    spans = [leg.x[1] - leg.x[0] + leg.y[1] - leg.y[0] for leg in legs]
+    return left_fold_sum(spans) / (2 * len(spans))
 
 
 def _size(box: Box | None) -> str:
@@ -324,7 +332,9 @@ def machine_from(data: Mapping[str, Any]) -> Machine:
         name = words["name"] or "?"
         raise MachineError(f"robot {name} cannot be used: " + "; ".join(faults), faults)
     plain: dict[str, Any] = {**words, **values, **triples}
-    return Machine(**plain, legs=legs, card_chains=chains, card_masses=masses)
+    return Machine(
+        **plain, legs=legs, card_chains=chains, card_masses=masses, card_span=_mean_span(legs)
+    )
 
 
 def as_data(machine: Machine) -> dict[str, Any]:

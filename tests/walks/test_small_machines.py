@@ -1,5 +1,6 @@
 """Machines that are titan3 made smaller: lengths chosen in metres shrink with their reach."""
 
+from dataclasses import replace
 from functools import cache
 
 import pytest
@@ -42,6 +43,12 @@ def walked(share: float, mode: str, seconds: float = 15.0, **terrain: object) ->
 def test_machines_from_a_reach_of_20_cm_on_are_full_size():
     assert load_machine("titan3").size == load_machine("hexapod").size == small(0.5).size == 1.0
     assert small(0.2).size == pytest.approx(0.2 * 0.425 / 0.2)
+
+
+def test_a_machine_planned_for_with_less_of_its_reach_is_no_smaller():
+    titan = load_machine("titan3")
+    short = tuple(replace(leg, x=(leg.x[0], leg.x[0] + 0.01)) for leg in titan.legs)
+    assert replace(titan, legs=short).size == 1.0
 
 
 @pytest.mark.parametrize("share", [0.2, 0.1])
