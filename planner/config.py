@@ -232,6 +232,25 @@ class Navigation:
     known_enough: float = 0.2
 
 
+# what a way along a trace is to be best at: the first that is found, few changes of state, ...
+SOONEST = "soonest"
+FEWEST_STATES = "states"
+GREATEST_MARGIN = "margin"
+GREATEST_SPEED = "speed"
+AIMS = (SOONEST, FEWEST_STATES, GREATEST_MARGIN, GREATEST_SPEED)
+
+
+@dataclass(frozen=True, slots=True)
+class TraceSearch:
+    """How the trace planner looks for a way."""
+
+    # m the body may leave its trace sideways where on it there is no way; None: a sixteenth of its
+    # length. 0: see it stop where a hand's breadth aside there are footholds
+    sway: float | None = None
+    # one of AIMS. Other than the first: see steps planned three times as long
+    aim: str = SOONEST
+
+
 @dataclass(frozen=True, slots=True)
 class PlannerConfig:
     """All tunables; a scenario's ``[config]``."""
@@ -242,12 +261,14 @@ class PlannerConfig:
     compliance: Compliance = field(default_factory=Compliance)
     contact: Contact = field(default_factory=Contact)
     navigation: Navigation = field(default_factory=Navigation)
+    trace: TraceSearch = field(default_factory=TraceSearch)
 
 
 DEFAULT = PlannerConfig()
 # exact: the body is put where the plan has it, in a tick; inertia: the plan's velocity and loads
 # are fed forward and errors closed slowly; printed: (33) to (38) as they stand, leg by leg
 LAWS = ("exact", "inertia", "printed")
+WORDS = {"law": LAWS, "aim": AIMS}  # what settings that are words may be
 
 
 def configured(changes: Mapping[str, Any], config: PlannerConfig = DEFAULT) -> PlannerConfig:
@@ -272,16 +293,16 @@ def _changed(settings: Any, changes: Any, where: str) -> Any:
         if is_dataclass(known[name]):
             new[name] = _changed(known[name], value, below)
         elif isinstance(known[name], str):
-            new[name] = _law(value, below)
+            new[name] = _word(value, WORDS[name], below)
         else:
             new[name] = _number(value, isinstance(known[name], int), below)
     return replace(settings, **new)
 
 
-def _law(value: Any, where: str) -> str:
-    """The law of Level C of this name; raises ``ValueError``."""
-    if value not in LAWS:
-        raise ValueError(f"{where} should be one of {', '.join(LAWS)}, got {value!r:.80}")
+def _word(value: Any, words: tuple[str, ...], where: str) -> str:
+    """One of these words; raises ``ValueError``."""
+    if value not in words:
+        raise ValueError(f"{where} should be one of {', '.join(words)}, got {value!r:.80}")
     return str(value)
 
 

@@ -201,11 +201,25 @@ class StepPlan:
     # least planned distance of the centre of gravity from the support polygon's edge, m; nan where
     # it was not worked out
     polygon_margin_min: float = math.nan
+    departure: Departure | None = None  # why it is not the step of the paper's rules; None: it is
 
     def __post_init__(self) -> None:
         for array in (self.times, self.body, self.feet, self.rates, self.foot_rates):
             if array is not None:
                 array.setflags(write=False)
+
+
+@unique
+class Departure(Enum):
+    """Why a step is not that of the paper's rules, with the text that is shown for it."""
+
+    NO_STEP = "the paper's rules find no step here"
+    BACK_TO_STANDARD = "leads back to the standard pattern sooner than the paper's step"
+    BROKEN_GROUND = "prohibited cells ahead: gets on better than the paper's step"
+    ANY_FOOTHOLD = "near the paper's step nothing gets on: any foothold in reach"
+    STEP_BACK = "nothing gets on: a step back, to get past this place"
+    ASIDE = "nothing gets on: a course beside the commanded one"
+    STRETCHED = "nothing gets on: legs stretched to their mechanical limit"
 
 
 @unique

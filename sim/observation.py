@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +13,7 @@ from .snapshot import Snapshot
 
 if TYPE_CHECKING:
     from walking_console.planner.control.supervisor import GaitSupervisor
+    from walking_console.planner.types import StepPlan
 
     from .simulation import Simulation
 
@@ -93,6 +95,7 @@ def _walk_fields(walk: GaitSupervisor) -> dict[str, Any]:
         "posture": walk.posture,
         "blocked_by": "" if walk.blocked is None else walk.blocked.reason.name.lower(),
         "decision": _decision(walk),
+        "departure": _departure(walk.plan) if stepping else "",
     }
 
 
@@ -102,12 +105,20 @@ def _planner_fields(simulation: Simulation) -> dict[str, Any]:
     running = walk.plan if walk.steps else None
     x, y, z, _, _, yaw = simulation.plant.body
     planner = simulation.planner
+    course = planner.progress(walk.stance, running, (x, y, z, yaw))
+    trace = simulation.world.course
     return {
-        "course": planner.progress(walk.stance, running, (x, y, z, yaw)),
+        "course": course,
+        "off_trace": math.nan if trace is None else trace.nearest(course, x, y)[1],
         "ahead": simulation.preview(running),
         "attitude": planner.attitude,
         "capabilities": planner.capabilities,
     }
+
+
+def _departure(plan: StepPlan) -> str:
+    """Why a step is not that of the paper's rules, as it is shown."""
+    return "" if plan.departure is None else plan.departure.value
 
 
 def _decision(walk: GaitSupervisor) -> Mapping[str, Any] | None:

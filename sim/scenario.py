@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -176,7 +177,10 @@ class Scenario(Table):
     @property
     def planner_config(self) -> PlannerConfig:
         """The tunables, with this scenario's changes."""
-        return configured(self.config)
+        config = configured(self.config)
+        if self.trace is None or self.trace.sway is None:
+            return config
+        return replace(config, trace=replace(config.trace, sway=self.trace.sway))
 
     @property
     def start_pose(self) -> Pose:

@@ -141,6 +141,7 @@ class Expect(Table):
     time_max: float | None = None  # s
     mean_speed_min: float | None = None  # m/s
     off_line_max: float | None = None  # m, from the commanded line to the CoG at the end
+    off_trace_max: float | None = None  # m, of the body from the trace it was given, at any time
     # steps at the end that each came out in the standard layout
     standard_steps_min: int | None = Field(default=None, ge=0)
     # commanded courses left, or ended, short of the standard layout

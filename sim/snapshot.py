@@ -132,6 +132,20 @@ class Snapshot:
     course: Annotated[
         float, Sent("course_m", "s of the body on its trace (trace planner)", 0.0)
     ] = 0.0
+    # why the running step is not that of the paper's rules; "" when it is, or none runs
+    departure: Annotated[
+        str,
+        Sent(
+            "",
+            "why the step is not that of the paper's rules; empty when it is",
+            "the paper's rules find no step here",
+        ),
+    ] = ""
+    # from the trace given, of the body; NaN where none is
+    off_trace: Annotated[
+        float,
+        Sent("off_trace_m", "of the body from the trace it was given", 0.004, may_lack=True),
+    ] = math.nan
     # what the planner declares for its mode
     capabilities: Annotated[Capabilities, DECLARED] = Capabilities()
     # what the trace walker foresees; the same object until it foresees something else

@@ -31,11 +31,19 @@ class TraceTable(Table):
     kind: str
     yaw: Literal["tangent", "fixed"]
     speed: float  # m/s along the trace
+    # m the body may leave the trace sideways where on it there is no way; a sixteenth of its length
+    # when not given, 0: never
+    sway: float | None = pydantic.Field(default=None, ge=0.0, le=1.0)
 
     @property
     def path(self) -> GivenPath:
         """The path it names, begun at (0, 0, 0). Raises ``TraceError``."""
-        return path_from(self.model_dump())
+        return path_from(self.path_data)
+
+    @property
+    def path_data(self) -> dict[str, Any]:
+        """The parameters of the path alone."""
+        return self.model_dump(exclude={"sway"})
 
 
 def table_for(kind: type[GivenPath]) -> type[TraceTable]:

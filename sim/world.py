@@ -108,7 +108,7 @@ def given_trace(scenario: Scenario, machine: Machine) -> SampledPath | None:
     if scenario.trace is None:
         return None
     try:
-        return registry.sampled_path(scenario.trace.model_dump(), machine, scenario.start_pose)
+        return registry.sampled_path(scenario.trace.path_data, machine, scenario.start_pose)
     except PlannerError as error:
         raise ScenarioError(f"trace: {error}") from None
 

@@ -278,6 +278,24 @@ class SampledPath:
     def length(self) -> float:
         return self.last * self.step
 
+    def nearest(self, s: float, x: float, y: float, within: float = 0.5) -> tuple[float, float]:
+        """The point of the course nearest to (x, y), no farther than ``within`` m of s from ``s``:
+        its s, and how far it is, m.
+        """
+        first = max(0, min(math.floor((s - within) / self.step), self.last))
+        end = max(first, min(math.ceil((s + within) / self.step), self.last)) + 1
+        px = x - self.x[first:end]
+        py = y - self.y[first:end]
+        dx = np.diff(self.x[first:end])
+        dy = np.diff(self.y[first:end])
+        if not len(dx):
+            return first * self.step, float(np.hypot(px[0], py[0]))
+        squared = np.maximum(dx * dx + dy * dy, 1e-18)
+        part = np.clip((px[:-1] * dx + py[:-1] * dy) / squared, 0.0, 1.0)
+        away = np.hypot(px[:-1] - part * dx, py[:-1] - part * dy)
+        best = int(away.argmin())
+        return (first + best + float(part[best])) * self.step, float(away[best])
+
     @cached_property
     def turns(self) -> bool:
         """True when the yaw changes along the course."""

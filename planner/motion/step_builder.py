@@ -20,7 +20,7 @@ from typing import Any, NamedTuple, TypedDict, Unpack
 import numpy as np
 
 from ..geometry.transforms import Body
-from ..types import TICK, Array, Phase, Point, Stance, StepPlan
+from ..types import TICK, Array, Departure, Phase, Point, Stance, StepPlan
 from .swing import Profile, between
 
 Feet = tuple[Point, ...]
@@ -55,6 +55,7 @@ class StepFacts(TypedDict, total=False):
     rates: Array | None
     foot_rates: Array | None
     polygon_margin_min: float
+    departure: Departure | None
 
 
 def plan_from_knots(

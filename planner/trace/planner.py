@@ -12,6 +12,7 @@ from collections.abc import Generator
 from dataclasses import replace
 from typing import Any
 
+from ..config import TraceSearch
 from ..geometry.paths import SampledPath
 from ..motion.step_builder import changed
 from ..protocols import run_to_completion
@@ -19,7 +20,7 @@ from ..robot.model import Machine
 from ..terrain.map import TerrainMap
 from ..types import Blocked, Command, Gait, Reason, Stance, StepPlan
 from .periodic_gaits import RigidGait
-from .prediction import Prediction, index_of, predicting, serves
+from .prediction import ON_ITS_OWN, Prediction, index_of, predicting, serves
 from .timing import step_plan
 
 PACE_MIN = 1e-3  # m/s; a slower command walks at this
@@ -62,11 +63,13 @@ class TraceWalk:
         gait: Gait,
         trace: SampledPath | None = None,
         rigid: RigidGait | None = None,
+        search: TraceSearch = ON_ITS_OWN,
     ) -> None:
         self.machine = machine
         self.gait = gait
         self.trace = trace
         self.rigid = rigid
+        self.search = search
         self.prediction: Prediction | None = None
         self.explain = False
 
@@ -89,7 +92,14 @@ class TraceWalk:
         """A new prediction; the old one is kept while it leads farther over the same ground."""
         old = self.prediction
         new = yield from predicting(
-            stance, command, terrain, self.machine, self.gait, trace=self.trace, rigid=self.rigid
+            stance,
+            command,
+            terrain,
+            self.machine,
+            self.gait,
+            trace=self.trace,
+            rigid=self.rigid,
+            search=self.search,
         )
         if old is None or new.complete or new.reached > old.reached:
             return new

@@ -10,20 +10,18 @@ from __future__ import annotations
 import math
 from collections.abc import Generator
 from dataclasses import dataclass
-from typing import NamedTuple
 
+from ..config import SOONEST, TraceSearch
 from ..geometry.paths import SampledPath
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
 from ..types import Command, Gait, Point, Stance
-from .footholds import AIR, Footing, is_plenty, thinning
-from .lane import ASIDE, TraceWindow, lane_along
-from .moves import Move, moves_along
+from .aims import best_way
+from .attempt import Attempt, Manner, Task, TraceCourse
+from .lane import ASIDE, TraceWindow
+from .moves import Move
 from .paths import joystick_trace, step_for
 from .periodic_gaits import RigidGait, fastest_gait
-from .reachability import Reachability
-from .state_search import StatePath, search, search_rigid
-from .state_sequence import SupportState
 
 BODY_LENGTHS = 2.0  # how far ahead the global prediction looks, K
 RENEW = 1.0  # body lengths left ahead when it is made anew
@@ -32,6 +30,7 @@ LIMIT = 6_000  # states met on the trace itself; more finds little that its rows
 # states met beside the trace, some two seconds of search: less blocks on ground that can be crossed
 LIMIT_WIDE = 20_000
 SAME = 1e-3  # m; a foot this near to where the prediction has it is there
+ON_ITS_OWN = TraceSearch()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -133,24 +132,6 @@ def _course_of(command: Command) -> tuple[float, ...]:
 # making one
 
 
-class _Course(NamedTuple):
-    """The trace and which part of it is looked along."""
-
-    trace: SampledPath
-    window: TraceWindow
-    offset: float  # s at the first sample, m
-
-    @property
-    def goal(self) -> int:
-        """The last sample, counted from the first that is looked at."""
-        return self.window.last - self.window.first
-
-    @property
-    def start(self) -> int:
-        """The sample of the body, counted so."""
-        return self.window.now - self.window.first
-
-
 def predicting(
     stance: Stance,
     command: Command,
@@ -162,27 +143,43 @@ def predicting(
     rigid: RigidGait | None = None,
     limit: int = LIMIT,
     limit_wide: int = LIMIT_WIDE,
+    search: TraceSearch = ON_ITS_OWN,
 ) -> Generator[None, None, Prediction]:
     """Predict from ``stance``: on the trace by K's order and by search, then with rows beside it;
     the better of these.
 
     Without a ``trace`` the joystick's own is drawn. ``limit`` and ``limit_wide`` bound the states
-    met on and beside the trace. Yields now and then, so that a caller may spread it over ticks.
+    met on and beside the trace, ``search`` says how far beside it, and what the way is to be best
+    at. Yields now and then, so that a caller may spread it over ticks.
     """
     if trace is None:
         course = _joystick_course(stance, command, machine)
     else:
         course = _given_course(stance, trace, machine)
-    given = trace is not None
-    if rigid is None and not stance.lifted:
+    task = Task(course, stance, terrain, machine, gait)
+    sway = ASIDE * machine.torso[0] if search.sway is None else search.sway
+    looks: Looks = ((0.0, limit), (sway, limit_wide)) if sway else ((0.0, limit),)
+    best = yield from _first_way(task, rigid, looks)
+    if rigid is None and search.aim != SOONEST:
+        best = yield from best_way(best, task, search.aim)
+    return _predicted(best, command, trace is not None)
+
+
+Looks = tuple[tuple[float, int], ...]  # m beside the trace, and states met at most
+
+
+def _first_way(task: Task, rigid: RigidGait | None, looks: Looks) -> Generator[None, None, Attempt]:
+    """The first way found, the widest look last; where none gets there, the farthest."""
+    limit = looks[0][1]
+    if rigid is None and not task.stance.lifted:
         # a free gait may be any gait: where there is plenty of ground it is the fastest one
-        fast = _Attempt(course, stance, terrain, machine, gait, fastest_gait(machine))
+        fast = Attempt(task, Manner(fastest_gait(task.machine)))
         yield from fast.on_plenty(limit)
         if fast.path.complete:
-            return fast.prediction(command, given)
-    attempt = _Attempt(course, stance, terrain, machine, gait, rigid)
-    for aside, count in ((0.0, limit), (ASIDE * machine.torso[0], limit_wide)):
-        if rigid is not None and aside:
+            return fast
+    attempt = Attempt(task, Manner(rigid))
+    for aside, count in looks:
+        if aside and rigid is not None:
             break
         done = yield from attempt.along(aside, count, limit)
         if done:
@@ -191,10 +188,32 @@ def predicting(
     else:
         if attempt.was_thinned:
             yield from attempt.along(0.0, limit, limit, whole=True)
-    return attempt.prediction(command, given)
+    return attempt
 
 
-def _joystick_course(stance: Stance, command: Command, machine: Machine) -> _Course:
+def _predicted(way: Attempt, command: Command, given: bool) -> Prediction:
+    """What was found, as a prediction."""
+    course = way.course
+    step = course.trace.step
+    reached = course.offset + way.path.farthest * step
+    sure = way.moves[-1].course if way.moves else way.stance.course
+    return Prediction(
+        course.trace,
+        command,
+        way.terrain,
+        way.stance,
+        way.moves,
+        reached if way.path.complete else sure,
+        course.offset + course.goal * step,
+        way.path.complete,
+        "" if way.path.complete else way.why(reached),
+        way.looked,
+        given,
+        last=given and course.window.last == course.trace.last,
+    )
+
+
+def _joystick_course(stance: Stance, command: Command, machine: Machine) -> TraceCourse:
     """The joystick's own course from where the body is."""
     step = step_for(machine)
     ahead = round(BODY_LENGTHS * machine.torso[0] / step)
@@ -208,154 +227,13 @@ def _joystick_course(stance: Stance, command: Command, machine: Machine) -> _Cou
         ahead * step,
         step,
     )
-    return _Course(trace, TraceWindow(0, min(ahead, trace.last), 0), stance.course)
+    return TraceCourse(trace, TraceWindow(0, min(ahead, trace.last), 0), stance.course)
 
 
-def _given_course(stance: Stance, trace: SampledPath, machine: Machine) -> _Course:
+def _given_course(stance: Stance, trace: SampledPath, machine: Machine) -> TraceCourse:
     """A given trace from a little behind the body on."""
     step = trace.step
     ahead = round(BODY_LENGTHS * machine.torso[0] / step)
     now = min(round(stance.course / step), trace.last)
     first = max(0, now - round(BACK * machine.torso[0] / step))
-    return _Course(trace, TraceWindow(first, min(now + ahead, trace.last), now), first * step)
-
-
-class _Attempt:
-    """The search for states along one course, first on it, then beside it too."""
-
-    def __init__(
-        self,
-        course: _Course,
-        stance: Stance,
-        terrain: TerrainMap,
-        machine: Machine,
-        gait: Gait,
-        rigid: RigidGait | None,
-    ) -> None:
-        self.course = course
-        self.stance = stance
-        self.terrain = terrain
-        self.machine = machine
-        self.gait = gait
-        self.rigid = rigid
-        self.path = StatePath((), False, course.start, 0, False)
-        self.moves: tuple[Move, ...] = ()
-        self.looked = 0
-        self.torso_stops = False
-        self.was_thinned = False  # the last search saw only some of the footholds there are
-
-    def on_plenty(self, count: int) -> Generator[None, None, None]:
-        """Search on the trace, if most of the ground along it may be stepped on."""
-        course = self.course
-        lane = lane_along(
-            course.trace, course.window, self.stance, self.terrain, self.machine, self.gait, 0.0
-        )
-        if self.rigid is not None and is_plenty(lane, self.terrain, self.machine):
-            yield from self.along(0.0, count, count)
-
-    def along(
-        self, aside: float, count: int, count_dense: int, whole: bool = False
-    ) -> Generator[None, None, bool]:
-        """Search with rows up to ``aside`` m beside the trace, meeting ``count`` states at most, or
-        ``count_dense`` where there is plenty of ground, which is thinned unless it is to be looked
-        at ``whole``; True when there is no more to try.
-        """
-        course = self.course
-        terrain = self.terrain
-        lane = lane_along(
-            course.trace, course.window, self.stance, terrain, self.machine, self.gait, aside
-        )
-        thin = 1 if whole else thinning(lane, terrain, self.machine)
-        self.was_thinned = thin > 1
-        if thin > 1:
-            # plenty of ground everywhere: what stops it is an edge, and going beside does not help
-            count = count_dense
-        reachable = Reachability(lane, terrain, self.machine, thin=thin)
-        for leg in range(len(self.machine.legs)):
-            yield
-            yield from reachable.finding(leg)
-        yield
-        start = SupportState(_footing(reachable, self.stance, course.start), course.start)
-        if not reachable.accept(start.feet, start.at):
-            return True
-        found = yield from self._search(reachable, start, count)
-        self.looked += found.looked
-        if found.farthest > self.path.farthest or not self.moves:
-            yield from self._take(reachable, found)
-        return found.complete
-
-    def _search(
-        self, reachable: Reachability, start: SupportState, count: int
-    ) -> Generator[None, None, StatePath]:
-        goal = self.course.goal
-        if self.rigid is None:
-            return (yield from search(reachable, start, goal, count))
-        groups = _from_next(self.rigid, self.stance.last_swing)
-        return (yield from search_rigid(reachable, start, goal, count, groups))
-
-    def _take(self, reachable: Reachability, found: StatePath) -> Generator[None, None, None]:
-        """Keep what was found: it leads farther."""
-        self.path = found if found.complete else found.to_standing()
-        beyond = min(found.farthest + 1, reachable.samples.count - 1)
-        grazes = reachable.clearance.torso_grazes
-        self.torso_stops = grazes and not _has_torso_room(reachable, beyond)
-        together = () if self.rigid is None else (1,)
-        course = self.course
-        self.moves = yield from moves_along(
-            reachable, self.path, course.offset, course.trace.step, *together
-        )
-
-    def prediction(self, command: Command, given: bool) -> Prediction:
-        """What was found, as a prediction."""
-        course = self.course
-        step = course.trace.step
-        reached = course.offset + self.path.farthest * step
-        sure = self.moves[-1].course if self.moves else self.stance.course
-        return Prediction(
-            course.trace,
-            command,
-            self.terrain,
-            self.stance,
-            self.moves,
-            reached if self.path.complete else sure,
-            course.offset + course.goal * step,
-            self.path.complete,
-            "" if self.path.complete else self._why(reached),
-            self.looked,
-            given,
-            last=given and course.window.last == course.trace.last,
-        )
-
-    def _why(self, reached: float) -> str:
-        """Why there is no way to the goal."""
-        if not self.path.states:
-            return "the machine does not stand within reach and stable here"
-        beyond = f"beyond s = {reached:.2f} m"
-        if self.torso_stops:
-            return f"there is no way {beyond}: the torso would touch the ground"
-        known = "there is no way"
-        if not self.path.exhausted:
-            known = f"no way was found among {self.looked} states"
-        return f"{known} {beyond}: no foothold lets the next leg leave its own"
-
-
-def _from_next(rigid: RigidGait, last_swing: int) -> tuple[tuple[int, ...], ...]:
-    """A rigid gait's groups beginning with the one after the legs that moved last."""
-    groups = rigid.groups
-    k = next((n + 1 for n, group in enumerate(groups) if last_swing in group), 0)
-    return groups[k:] + groups[:k]
-
-
-def _has_torso_room(reachable: Reachability, k: int) -> bool:
-    """True when the torso meets nothing at sample ``k`` of the trace, or beside it."""
-    samples = reachable.samples
-    room = reachable.clearance.torso_room
-    return any(samples.row_of(room, r) >> k & 1 for r in range(samples.rows))
-
-
-def _footing(reachable: Reachability, stance: Stance, sample: int) -> Footing:
-    """The footholds of a stance, by number."""
-    return tuple(
-        AIR if leg in stance.lifted else reachable.foothold_of(leg, foot, sample)
-        for leg, foot in enumerate(stance.feet)
-    )
+    return TraceCourse(trace, TraceWindow(first, min(now + ahead, trace.last), now), first * step)

@@ -57,15 +57,21 @@ class StatePath:
 
 
 def search(
-    reachable: Reachability, start: SupportState, goal: int, limit: int, in_order: bool = True
+    reachable: Reachability,
+    start: SupportState,
+    goal: int,
+    limit: int,
+    in_order: bool = True,
+    change_cost: float = 0.0,
 ) -> Generator[None, None, StatePath]:
     """States from ``start`` to one that lasts until sample ``goal``, or as far as ``limit`` states
     met could find.
 
-    K's order first; where it fails the search goes on from every state it passed. Yields now and
+    K's order first; where it fails the search goes on from every state it passed. ``change_cost``
+    samples are held to be lost by every change: with a high one the way has few. Yields now and
     then, so that a caller may spread it over ticks; the answer does not depend on how.
     """
-    met = _Met(reachable)
+    met = _Met(reachable, change_cost)
     met.enter(start, None)
     if in_order:
         state: SupportState | None = start
@@ -96,8 +102,10 @@ def search(
 class _Met:
     """The states a search has met: where each came from, and those still to look at, best first."""
 
-    def __init__(self, reachable: Reachability) -> None:
+    def __init__(self, reachable: Reachability, change_cost: float = 0.0) -> None:
         self.reachable = reachable
+        self.change_cost = change_cost
+        self.changes: dict[StateKey, int] = {}  # from the first state
         self.heap: list[tuple[float, int, SupportState]] = []
         self.serial = 0
         self.came_from: dict[StateKey, StateKey | None] = {}
@@ -121,7 +129,12 @@ class _Met:
         self.places[state.feet] = self.places.get(state.feet, 0) | place
         end = reachable.samples.farthest(place)
         self.serial += 1
-        heappush(self.heap, (-value_of(reachable, state.feet, end), self.serial, state))
+        worth = value_of(reachable, state.feet, end)
+        if self.change_cost:
+            changes = 0 if parent is None else self.changes[parent] + 1
+            self.changes[key] = changes
+            worth -= self.change_cost * changes
+        heappush(self.heap, (-worth, self.serial, state))
         if end > self.farthest:
             self.best = key
             self.farthest = end

@@ -38,7 +38,8 @@ class TracePlanner(Planner):
                 rigid = rigid_gait(name, setup.machine)
             else:
                 rigid = given_gait(name, setup.machine)
-            self.walk = TraceWalk(separated(setup.machine), setup.gait, setup.path, rigid)
+            machine = separated(setup.machine)
+            self.walk = TraceWalk(machine, setup.gait, setup.path, rigid, setup.config.trace)
         except ValueError as error:
             raise PlannerError(str(error)) from None
         self.walk.explain = setup.explain

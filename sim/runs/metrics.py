@@ -10,18 +10,36 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from walking_console.planner.geometry.paths import SampledPath
 from walking_console.planner.geometry.transforms import left_fold_sum, turned_back
 from walking_console.sim.runs.recorder import Recorder
 from walking_console.sim.simulation import Simulation
 
 SPACING = 0.1  # m of course between the heights of which second differences are taken
+EVERY = 5  # ticks at which the way off a trace is looked at
 FLAT = 1e-6  # m; an average-height path smoother than this has nothing to be compared with
 
 
 def measured(simulation: Simulation, recorder: Recorder) -> dict[str, Any]:
     """Figures of ``run.json`` that an expectation may name; None where nothing can be measured."""
     log = recorder.columns()
-    return {**stability_figures(log), **_of_the_gait(simulation, recorder, log)}
+    return {
+        **stability_figures(log),
+        "off_trace": off_trace(simulation.world.course, log["body"]),
+        **_of_the_gait(simulation, recorder, log),
+    }
+
+
+def off_trace(trace: SampledPath | None, body: NDArray[Any]) -> float | None:
+    """How far the body (n, 6) was from the trace it was given at most, m; None without one."""
+    if trace is None or not len(body):
+        return None
+    s = 0.0
+    farthest = 0.0
+    for x, y in body[::EVERY, :2].tolist():
+        s, away = trace.nearest(s, x, y)
+        farthest = max(farthest, away)
+    return farthest
 
 
 def stability_figures(log: dict[str, NDArray[Any]]) -> dict[str, float | None]:

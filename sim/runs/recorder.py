@@ -110,6 +110,8 @@ class Recorder:
         }
         if len(plan.swing) > 1:
             record["landings"] = [list(plan.end.feet[leg]) for leg in landed]
+        if plan.departure is not None:
+            record["departure"] = plan.departure.name.lower()
         if plan.decision is not None:
             record["decision"] = plan.decision
         self.steps.append(record)

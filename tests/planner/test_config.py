@@ -10,6 +10,7 @@ from walking_console.planner.config import (
     Gains,
     PlannerConfig,
     Tolerances,
+    TraceSearch,
     Tracking,
     configured,
 )
@@ -89,6 +90,9 @@ def test_how_far_a_body_may_be_pushed_aside_before_the_step_stops_is_a_setting(h
 
 def test_a_law_is_one_of_those_there_are():
     assert configured({"gains": {"law": "printed"}}).gains.law == "printed"
+    assert configured({"trace": {"aim": "margin", "sway": 0}}).trace == TraceSearch(0, "margin")
+    with pytest.raises(ValueError, match="aim should be one of soonest, states, margin, speed"):
+        configured({"trace": {"aim": "exact"}})
     with pytest.raises(
         ValueError, match="config.gains.law should be one of exact, inertia, printed"
     ):

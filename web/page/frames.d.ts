@@ -88,6 +88,8 @@ export interface SnapshotFrame extends Command {
   attitude: Attitude;
   posture: Posture;
   course_m: number;
+  off_trace_m: number | null;
+  departure: string;
   may_lean: boolean;
   may_turn: boolean;
   follows_trace: boolean;

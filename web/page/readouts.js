@@ -59,6 +59,9 @@ export function showReadouts(s) {
   write("time", clock(s.time_s));
   write("flags", s.flags.map((set, k) => (set ? `F${k + 1}` : "·")).join(" "));
   write("late", (s.late_s * 1000).toFixed(s.late_s < 0.01 ? 1 : 0));
+  write("departure", s.departure && `· ${s.departure}`);
+  div("off-trace-row").hidden = s.off_trace_m === null;
+  write("off-trace", millimetres(s.off_trace_m));
   showDirection(s);
   showSpeed(s);
   showMargin("margin", s.margin_m);

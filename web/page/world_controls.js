@@ -215,7 +215,7 @@ const expectation = (key) =>
   key.replace(/_min$/, " at least").replace(/_max$/, " at most").replaceAll("_", " ");
 
 /** @type {[RegExp, string][]} */
-const UNITS = [[/speed/, " m/s"], [/^time/, " s"], [/distance|margin|off_line/, " m"]];
+const UNITS = [[/speed/, " m/s"], [/^time/, " s"], [/distance|margin|off_line|off_trace/, " m"]];
 
 /** @param {string} key */
 const unitOf = (key) => UNITS.find(([pattern]) => pattern.test(key))?.[1] ?? "";

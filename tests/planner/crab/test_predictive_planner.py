@@ -20,12 +20,12 @@ from tests.planner.crab.crab_walks import (
 )
 from walking_console.planner.crab.gait import AGREEMENT, off_standard, standard_stance
 from walking_console.planner.crab.planner import plan_step
-from walking_console.planner.crab.predictive_planner import step_job
+from walking_console.planner.crab.predictive_planner import DEPARTURES, WAYS_OUT, step_job
 from walking_console.planner.crab.steps import StepRequest
 from walking_console.planner.initial_stance import Placement
 from walking_console.planner.stability import MARGIN_SLACK, polygon_margin, support_polygon
 from walking_console.planner.terrain.map import TerrainMap
-from walking_console.planner.types import Blocked, Phase, Stance, StepPlan
+from walking_console.planner.types import Blocked, Departure, Phase, Stance, StepPlan
 
 LOWER = 0.001  # m below s0 that still counts as the standard margin
 
@@ -198,3 +198,34 @@ def test_asked_why_it_names_every_candidate_with_its_score():
     ranks = [(candidate["steps"], candidate["score"]) for candidate in lookahead["candidates"]]
     assert len(ranks) > 4 and ranks == sorted(ranks, reverse=True)
     assert plan.decision["legs"]
+
+
+def test_on_open_level_ground_every_step_is_the_papers_and_says_nothing():
+    plans = walk(command(0.0), 8, holes(0.0, 1))
+    assert [plan.departure for plan in plans] == [None] * 8
+
+
+def test_a_step_that_is_not_the_papers_says_why():
+    ground = holes(0.5, 3)
+    stance = start(0.0, gait(), ground)
+    told = set()
+    for _ in range(12):
+        request = StepRequest(stance, command(0.0), ground, TITAN, gait())
+        plan = plan_at_once(request)
+        paper = plan_step(request)
+        same = isinstance(paper, StepPlan) and (paper.swing, paper.landing, paper.shift) == (
+            plan.swing,
+            plan.landing,
+            plan.shift,
+        )
+        if plan.departure is None:
+            assert same
+        elif isinstance(paper, Blocked):
+            assert plan.departure is Departure.NO_STEP or plan.departure in WAYS_OUT.values()
+        told.add(plan.departure)
+        stance = plan.end
+    assert Departure.BROKEN_GROUND in told
+
+
+def test_every_search_and_every_way_out_has_its_word():
+    assert {*DEPARTURES.values(), *WAYS_OUT.values(), Departure.NO_STEP} == set(Departure)

@@ -8,6 +8,7 @@ import pytest
 from walking_console.planner.geometry.paths import (
     NOWHERE,
     ArcPath,
+    SampledPath,
     arc_of_command,
     bounded_by,
     corners_of_box,
@@ -85,3 +86,13 @@ def test_an_arc_ends_up_where_small_steps_along_it_do():
         y += h * (arc.ux * math.sin(middle) + arc.uy * math.cos(middle))
         yaw += arc.turn * h
     assert arc.pose(1.0) == pytest.approx((x, y, yaw), abs=1e-8)
+
+
+def test_the_nearest_point_of_a_course_is_looked_for_near_a_place_on_it():
+    x = np.arange(301) * 0.01
+    line = SampledPath(0.01, x, np.zeros(301), np.zeros(301))
+    assert line.nearest(1.0, 1.234, -0.05) == pytest.approx((1.234, 0.05))
+    assert line.nearest(0.2, 1.234, 0.0) == pytest.approx((0.7, 0.534))  # no farther than within
+    assert line.nearest(2.9, 3.5, 0.0) == pytest.approx((3.0, 0.5))
+    spot = SampledPath(0.01, np.ones(50), np.ones(50), x[:50])
+    assert spot.nearest(0.3, 1.0, 1.02)[1] == pytest.approx(0.02)

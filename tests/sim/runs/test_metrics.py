@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from walking_console.planner.geometry.paths import SampledPath
 from walking_console.sim.runs.metrics import (
     average_height,
     average_rule,
@@ -12,11 +13,13 @@ from walking_console.sim.runs.metrics import (
     courses_unsettled,
     measured,
     off_line,
+    off_trace,
     roughness,
     stability_figures,
     standard_steps,
 )
 from walking_console.sim.runs.recorder import Recorder
+from walking_console.sim.runs.runner import run_scenario
 from walking_console.sim.scenario_files import load_scenario
 from walking_console.sim.simulation import Simulation
 
@@ -93,7 +96,8 @@ def test_a_planner_without_a_standard_layout_is_not_measured_against_one() -> No
     recorder.note()
     figures = measured(simulation, recorder)
     stable = stability_figures(recorder.columns())
-    assert {figures[name] for name in figures if name not in stable} == {None}
+    others = set(figures) - set(stable) - {"off_trace"}
+    assert {figures[name] for name in others} == {None}
 
 
 def test_the_least_margins_and_the_most_the_body_leant_are_figures() -> None:
@@ -104,3 +108,22 @@ def test_the_least_margins_and_the_most_the_body_leant_are_figures() -> None:
     figures = stability_figures(log)
     assert figures["polygon_margin_min"] == 0.1 and figures["capture_margin_min"] is None
     assert figures["tilt_deg"] == pytest.approx(np.degrees(0.05))
+
+
+def test_the_way_off_a_trace_is_its_largest_and_where_the_trace_crosses_itself_the_nearer_part():
+    s = np.arange(629) * 0.01
+    eight = SampledPath(0.01, np.sin(s), np.sin(2 * s) / 2, s)
+    body = np.zeros((629, 6))
+    body[:, 0] = eight.x
+    body[:, 1] = eight.y + np.where(np.arange(629) == 315, 0.05, 0.0)
+    assert off_trace(eight, body) == pytest.approx(0.05 / np.sqrt(2), rel=0.02)
+    assert off_trace(None, body) is None
+
+
+@pytest.mark.parametrize(("sway", "most"), [(0.0, 1e-3), (0.08, 0.08)])
+def test_a_body_leaves_its_trace_by_no_more_than_it_may(sway, most):
+    settings = [f"trace.sway={sway}", "terrain.fraction=0.04", "end={time=30.0}", "seed=3"]
+    scenario = load_scenario("k-curve", [*settings, "expect={off_trace_max=0.08}"])
+    summary = run_scenario(scenario)
+    assert summary["off_trace"] <= most + 1e-3
+    assert summary["expect"]["off_trace_max"]["got"] == summary["off_trace"]

@@ -1,0 +1,174 @@
+"""One search for states along a course: on the trace or beside it, by K's order, by search, or by a
+rigid gait; and the moves it comes to.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from typing import NamedTuple
+
+from ..geometry.paths import SampledPath
+from ..robot.model import Machine
+from ..terrain.map import TerrainMap
+from ..types import Gait, Stance
+from .footholds import AIR, Footing, is_plenty, thinning
+from .lane import TraceWindow, lane_along
+from .moves import Move, moves_along
+from .periodic_gaits import RigidGait
+from .reachability import Reachability
+from .stability_table import MARGIN
+from .state_search import StatePath, search, search_rigid
+from .state_sequence import SupportState
+
+
+class TraceCourse(NamedTuple):
+    """The trace and which part of it is looked along."""
+
+    trace: SampledPath
+    window: TraceWindow
+    offset: float  # s at the first sample, m
+
+    @property
+    def goal(self) -> int:
+        """The last sample, counted from the first that is looked at."""
+        return self.window.last - self.window.first
+
+    @property
+    def start(self) -> int:
+        """The sample of the body, counted so."""
+        return self.window.now - self.window.first
+
+
+class Task(NamedTuple):
+    """What a way is looked for: from where, along what, over which ground, by which machine."""
+
+    course: TraceCourse
+    stance: Stance
+    terrain: TerrainMap
+    machine: Machine
+    gait: Gait
+
+
+class Manner(NamedTuple):
+    """How one is looked for."""
+
+    rigid: RigidGait | None = None  # held to this gait
+    margin: float = MARGIN  # m, least stability margin of every state
+    change_cost: float = 0.0  # samples a change of state counts for; 0: K's order first
+
+
+class Attempt:
+    """The search for states along one course, first on it, then beside it too.
+
+    ``manner`` is how it searches: held to a rigid gait, with another margin, or for few changes.
+    """
+
+    def __init__(self, task: Task, manner: Manner) -> None:
+        self.course = course = task.course
+        self.stance = task.stance
+        self.terrain = task.terrain
+        self.machine = task.machine
+        self.gait = task.gait
+        self.manner = manner
+        self.rigid = manner.rigid
+        self.path = StatePath((), False, course.start, 0, False)
+        self.moves: tuple[Move, ...] = ()
+        self.looked = 0
+        self.torso_stops = False
+        self.was_thinned = False  # the last search saw only some of the footholds there are
+
+    def on_plenty(self, count: int) -> Generator[None, None, None]:
+        """Search on the trace, if most of the ground along it may be stepped on."""
+        course = self.course
+        lane = lane_along(
+            course.trace, course.window, self.stance, self.terrain, self.machine, self.gait, 0.0
+        )
+        if self.rigid is not None and is_plenty(lane, self.terrain, self.machine):
+            yield from self.along(0.0, count, count)
+
+    def along(
+        self, aside: float, count: int, count_dense: int, whole: bool = False
+    ) -> Generator[None, None, bool]:
+        """Search with rows up to ``aside`` m beside the trace, meeting ``count`` states at most, or
+        ``count_dense`` where there is plenty of ground, which is thinned unless it is to be looked
+        at ``whole``; True when there is no more to try.
+        """
+        course = self.course
+        terrain = self.terrain
+        lane = lane_along(
+            course.trace, course.window, self.stance, terrain, self.machine, self.gait, aside
+        )
+        thin = 1 if whole else thinning(lane, terrain, self.machine)
+        self.was_thinned = thin > 1
+        if thin > 1:
+            # plenty of ground everywhere: what stops it is an edge, and going beside does not help
+            count = count_dense
+        reachable = Reachability(lane, terrain, self.machine, thin=thin, margin=self.manner.margin)
+        for leg in range(len(self.machine.legs)):
+            yield
+            yield from reachable.finding(leg)
+        yield
+        start = SupportState(_footing(reachable, self.stance, course.start), course.start)
+        if not reachable.accept(start.feet, start.at):
+            return True
+        found = yield from self._search(reachable, start, count)
+        self.looked += found.looked
+        if found.farthest > self.path.farthest or not self.moves:
+            yield from self._take(reachable, found)
+        return found.complete
+
+    def _search(
+        self, reachable: Reachability, start: SupportState, count: int
+    ) -> Generator[None, None, StatePath]:
+        goal = self.course.goal
+        if self.rigid is None:
+            few = self.manner.change_cost
+            return (yield from search(reachable, start, goal, count, few == 0.0, few))
+        groups = _from_next(self.rigid, self.stance.last_swing)
+        return (yield from search_rigid(reachable, start, goal, count, groups))
+
+    def _take(self, reachable: Reachability, found: StatePath) -> Generator[None, None, None]:
+        """Keep what was found: it leads farther."""
+        self.path = found if found.complete else found.to_standing()
+        beyond = min(found.farthest + 1, reachable.samples.count - 1)
+        grazes = reachable.clearance.torso_grazes
+        self.torso_stops = grazes and not _has_torso_room(reachable, beyond)
+        together = () if self.rigid is None else (1,)
+        course = self.course
+        self.moves = yield from moves_along(
+            reachable, self.path, course.offset, course.trace.step, *together
+        )
+
+    def why(self, reached: float) -> str:
+        """Why there is no way to the goal."""
+        if not self.path.states:
+            return "the machine does not stand within reach and stable here"
+        beyond = f"beyond s = {reached:.2f} m"
+        if self.torso_stops:
+            return f"there is no way {beyond}: the torso would touch the ground"
+        known = "there is no way"
+        if not self.path.exhausted:
+            known = f"no way was found among {self.looked} states"
+        return f"{known} {beyond}: no foothold lets the next leg leave its own"
+
+
+def _from_next(rigid: RigidGait, last_swing: int) -> tuple[tuple[int, ...], ...]:
+    """A rigid gait's groups beginning with the one after the legs that moved last."""
+    groups = rigid.groups
+    k = next((n + 1 for n, group in enumerate(groups) if last_swing in group), 0)
+    return groups[k:] + groups[:k]
+
+
+def _has_torso_room(reachable: Reachability, k: int) -> bool:
+    """True when the torso meets nothing at sample ``k`` of the trace, or beside it."""
+    samples = reachable.samples
+    room = reachable.clearance.torso_room
+    return any(samples.row_of(room, r) >> k & 1 for r in range(samples.rows))
+
+
+def _footing(reachable: Reachability, stance: Stance, sample: int) -> Footing:
+    """The footholds of a stance, by number."""
+    return tuple(
+        AIR if leg in stance.lifted else reachable.foothold_of(leg, foot, sample)
+        for leg, foot in enumerate(stance.feet)
+    )
