@@ -11,10 +11,13 @@ import re
 import types
 import typing
 from collections.abc import Iterator
+from dataclasses import fields
 from typing import Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
+
+from walking_console.planner.config import DEFAULT, WORDS
 
 from .range_sensor import EyeSettings
 from .scenario import Scenario
@@ -41,6 +44,7 @@ def format_tables() -> str:
     parts = [_table(f"`{title}`" if title else "Top level", model) for title, model in TABLES]
     parts += [_table(f"`[trace]` of kind {_kind(each)}", each) for each in _members(Trace)]
     parts += [_table(f"`[terrain]` of kind `{name}`", each) for name, each in KINDS.items()]
+    parts += [_theme(theme.name, getattr(DEFAULT, theme.name)) for theme in fields(DEFAULT)]
     return "\n\n".join(parts) + "\n"
 
 
@@ -76,23 +80,45 @@ def _table(title: str, model: type[BaseModel]) -> str:
     return "\n".join((f"### {title}", "", about, "", head, *rows)).replace("\n\n\n", "\n\n")
 
 
+def _theme(name: str, theme: Any) -> str:
+    """The tunables of one theme of the planner's configuration."""
+    meanings = {key: told.replace("``", "`") for key, told in _comments_in(type(theme)).items()}
+    rows = []
+    for each in fields(theme):
+        value = getattr(theme, each.name)
+        default = "" if value in (None, "") else f"`{value!r}`".replace("'", '"')
+        words = "whole number" if type(value) is int else "number"
+        if isinstance(value, str):
+            words = "one of " + ", ".join(f'`"{word}"`' for word in WORDS[each.name])
+        rows.append(f"| `{each.name}` | {words} | {default} | {meanings.get(each.name, '')} |")
+    about = " ".join((inspect.getdoc(theme) or "").split("\n\n")[0].split())
+    head = "| key | is | default | meaning |\n|---|---|---|---|"
+    return "\n".join((f"### `[config.{name}]`", "", about, "", head, *rows))
+
+
 def _comments(model: type[BaseModel]) -> dict[str, str]:
     """The comment beside every key, or in the lines above it, of a model and those it extends."""
     found: dict[str, str] = {}
     for owner in reversed(model.__mro__):
-        if owner is BaseModel or not issubclass(owner, BaseModel):
-            continue
-        above = ""
-        for line in _source(owner):
-            comment = re.match(r"\s+# (.*)", line)
-            key = re.match(r"\s+([a-z_]\w*): [^#]*(?:# (.*))?$", line)
-            if key is not None:
-                found[key[1]] = key[2] or above
-            above = f"{above} {comment[1]}".strip() if comment is not None else ""
+        if owner is not BaseModel and issubclass(owner, BaseModel):
+            found |= _comments_in(owner)
     return found
 
 
-def _source(model: type[BaseModel]) -> list[str]:
+def _comments_in(owner: type) -> dict[str, str]:
+    """The same of one class."""
+    found: dict[str, str] = {}
+    above = ""
+    for line in _source(owner):
+        comment = re.match(r"\s+# (.*)", line)
+        key = re.match(r"\s+([a-z_]\w*): [^#]*(?:# (.*))?$", line)
+        if key is not None:
+            found[key[1]] = key[2] or above
+        above = f"{above} {comment[1]}".strip() if comment is not None else ""
+    return found
+
+
+def _source(model: type) -> list[str]:
     """The lines of a class; none of one that was made by a call."""
     try:
         return inspect.getsource(model).splitlines()
