@@ -59,15 +59,23 @@ export function showReadouts(s) {
   write("time", clock(s.time_s));
   write("flags", s.flags.map((set, k) => (set ? `F${k + 1}` : "·")).join(" "));
   write("late", (s.late_s * 1000).toFixed(s.late_s < 0.01 ? 1 : 0));
-  write("departure", s.departure && `· ${s.departure}`);
-  div("off-trace-row").hidden = s.off_trace_m === null;
-  write("off-trace", millimetres(s.off_trace_m));
+  showCourse(s);
   showDirection(s);
   showSpeed(s);
   showMargin("margin", s.margin_m);
   showMargin("polygon", s.polygon_margin_m);
   showCarried(s);
   write("energy", millimetres(s.energy_margin_m));
+}
+
+/**
+ * How far the body is from a trace it was given, and why its step is not that of the paper's rules.
+ * @param {SnapshotFrame} s
+ */
+function showCourse({ departure, off_trace_m }) {
+  write("departure", departure && `· ${departure}`);
+  div("off-trace-row").hidden = off_trace_m === null;
+  write("off-trace", millimetres(off_trace_m));
 }
 
 /** @param {SnapshotFrame} s */
