@@ -70,7 +70,9 @@ def _answer(
 ) -> PlanningJob:
     """The best step found, or the way out where it does not get on."""
     standard = standard_way(context.nominal)
-    found = Found(result.ways, DEPARTURES.get(result.search) if paper else Departure.NO_STEP, paper)
+    found = Offered(
+        result.ways, DEPARTURES.get(result.search) if paper else Departure.NO_STEP, paper
+    )
     recovery = None
     if strained and result.pace < GETS_ON * standard:  # a crossing begun is gone on with
         recovery = yield from uninterruptible(by_stretching(context, result.pace))
@@ -82,14 +84,14 @@ def _answer(
     if plan is None and recovery is not None:
         if log is not None:
             log["escape"] = recovery.kind
-        out = Found(recovery.ways, WAYS_OUT[recovery.kind])
+        out = Offered(recovery.ways, WAYS_OUT[recovery.kind])
         plan = first_that_passes(recovery.context, out, log)
     if plan is None and result.ways and result.ways[0].gain >= LEFT * context.nominal.size:
         plan = first_that_passes(context, found, log)
     return plan or blocked(context, result.ways, log)
 
 
-class Found(NamedTuple):
+class Offered(NamedTuple):
     """Ways to choose from, best first, and why they are not the ``paper`` step."""
 
     ways: Branches
@@ -98,7 +100,7 @@ class Found(NamedTuple):
 
 
 def first_that_passes(
-    context: SearchContext, found: Found, log: DecisionLog | None
+    context: SearchContext, found: Offered, log: DecisionLog | None
 ) -> StepPlan | None:
     """The best way whose first step lets the torso pass over the ground as well; None without."""
     request = context.request
