@@ -69,7 +69,6 @@ class Course:
         turn = math.remainder(self.heading(self.length) - self._begins, 2.0 * math.pi)
         # how much the axes of the sway turn per metre of the reference's length, rad
         self.turning = turn / max(self.length, STILL)
-        self._bends = [self._bend_of(k) for k in range(len(self.lengths) - 1)]
         # of the centre of gravity from the body when a leg lifts, and at the end, absolute axes
         self.centres = centres
         self.carries_along = carries_along
@@ -136,16 +135,6 @@ class Course:
             climb,
             turn,
         )
-
-    def bend(self, length: float) -> float:
-        """How much the course itself turns per metre of its length there, rad."""
-        return self._bends[self._stretch(length)[0]]
-
-    def _bend_of(self, k: int) -> float:
-        """That of the stretch after place k."""
-        begin, end = self.lengths[k], self.lengths[k + 1]
-        turn = math.remainder(self.heading(end) - self.heading(begin), 2.0 * math.pi)
-        return turn * self.flat((begin + end) / 2.0) / max(end - begin, STILL)
 
     def heading(self, length: float) -> float:
         """Absolute direction of the course there, rad."""

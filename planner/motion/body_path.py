@@ -246,19 +246,6 @@ def _cubic(a: Knot, b: Knot, time: float) -> Knot:
     return Knot(time, value, rate)
 
 
-def accelerations(knots: Sequence[Knot], start: float, end: float) -> tuple[float, float]:
-    """Of the cubic through the knots at two times with no knot between them, m/s²."""
-    middle = (start + end) / 2.0
-    if not knots[0].time < middle < knots[-1].time:
-        return 0.0, 0.0
-    k = next(k for k in range(1, len(knots)) if middle <= knots[k].time)
-    first, last = _accelerations(knots[k - 1], knots[k])
-    begin = knots[k - 1].time
-    span = max(knots[k].time - begin, SHORTEST)
-    jerk = (last - first) / span
-    return first + jerk * (start - begin), first + jerk * (end - begin)
-
-
 def largest_acceleration(knots: Sequence[Knot]) -> float:
     """The largest acceleration of the cubic through the knots, m/s² (at an end of a stretch)."""
     largest = 0.0

@@ -29,7 +29,6 @@ from .body_path import (
     Key,
     Knot,
     SupportPhase,
-    accelerations,
     at,
     lateral_bounds,
     meeting,
@@ -227,12 +226,12 @@ class _Way:
         along: list[Knot],
         across: list[Knot],
     ) -> None:
-        self.table = table
         self.course = course
         self.progress = progress  # m of the reference's length
         self.along = along
         self.across = across
-        self.rows = self.motions(table.times)
+        self.table = table.with_times(self.times_within(table.times[-1]))
+        self.rows = self.motions(self.table.times)
 
     @classmethod
     def through(cls, task: _Task, table: _Table) -> _Way:
@@ -258,10 +257,8 @@ class _Way:
         across = through_gates(Knot(0.0, _dot(stance.sway, side), _dot(rest, side)), gates)
         return cls(table, course, progress, along, across)
 
-    @property
-    def times(self) -> list[float]:
+    def times_within(self, end: float) -> list[float]:
         """Of its knots within the step, s; nearer ones than ``SOONEST`` are one."""
-        end = self.table.times[-1]
         out = [0.0]
         for time in sorted(knot.time for knot in (*self.progress, *self.along, *self.across)):
             if out[-1] + SOONEST < time < end - SOONEST:
@@ -310,20 +307,15 @@ class _Way:
         return self._acceleration(0.0, lift) >= self._acceleration(lift, self.table.times[-1])
 
     def _acceleration(self, start: float, end: float) -> float:
-        """The most between two times, m/s²: at either side of a knot."""
+        """The most over the ground between two times, m/s²: at an end of the cubic from one knot of
+        the table to the next.
+        """
         most = 0.0
-        for a, b in pairwise(self.times):
-            if b <= start + SOONEST / 2 or a >= end - SOONEST / 2:
+        for (a, before), (b, after) in pairwise(zip(self.table.times, self.rows, strict=True)):
+            if b <= start + SOONEST / 2 or a >= end - SOONEST / 2 or b - a < STILL:
                 continue
-            parts = [accelerations(way, a, b) for way in (self.progress, self.along, self.across)]
-            for t, onward, along, across in zip((a, b), *parts, strict=True):
-                most = max(most, math.hypot(across + self._in_the_bend(t), onward + along))
+            most = max(most, _most_between(before, after, b - a))
         return most
-
-    def _in_the_bend(self, t: float) -> float:
-        """Acceleration to the left of the reference for its bend, m/s²."""
-        progress = at(self.progress, t)
-        return self.course.bend(progress.value) * progress.rate * progress.rate
 
     def foot_hurry(self, machine: Machine) -> float:
         """Speed of the fastest foot against the body, over its limit."""
@@ -332,8 +324,8 @@ class _Way:
 
     def plan(self, plan: StepPlan, curved: bool, machine: Machine) -> StepPlan:
         """The step on this way; feet go straight between knots unless they are ``curved``."""
-        table = self.table.with_times(self.times)
-        rows = self.rows if table is self.table else self.motions(table.times)
+        table = self.table
+        rows = self.rows
         x, y, _, _ = plan.end.body
         place, rate = rows[-1]
         end = replace(plan.end, sway=(place[0] - x, place[1] - y), velocity=rate[:2])
@@ -352,6 +344,18 @@ class _Way:
     def margin(self, machine: Machine) -> float:
         """Least polygon margin at the knots, m."""
         return _least_margin(self.course, self.table, self.rows, machine)
+
+
+def _most_between(before: Motion, after: Motion, seconds: float) -> float:
+    """The largest acceleration over the ground of the cubic between two motions, m/s²."""
+    first = []
+    last = []
+    for axis in (0, 1):
+        mean = (after.body[axis] - before.body[axis]) / seconds
+        begin, end = before.rate[axis], after.rate[axis]
+        first.append(2.0 * (3.0 * mean - 2.0 * begin - end) / seconds)
+        last.append(2.0 * (begin + 2.0 * end - 3.0 * mean) / seconds)
+    return max(math.hypot(*first), math.hypot(*last))
 
 
 def _least_margin(course: Course, table: _Table, rows: Sequence[Motion], machine: Machine) -> float:

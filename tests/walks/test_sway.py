@@ -35,6 +35,13 @@ def test_six_legs_keep_it_along_a_curve(tmp_path):
     assert min(step["planned_polygon_margin_min"] for step in walk.steps) >= 0.015
 
 
+def test_a_trace_with_corners_is_walked_without_jerks(tmp_path):
+    walk = walked(tmp_path, "k-free-vs-rigid", *SWAY)
+    assert walk.summary["result"] == "completed"
+    # g·20 mm/0.5 m is 0.39 m/s²; a quarter more where a corner comes too soon to slow down for it
+    assert acceleration(walk.log).max() <= 0.5
+
+
 def touch_speeds(walk):
     """How fast every foot came down when its sole came on, m/s."""
     log = walk.log
