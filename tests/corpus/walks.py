@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import sys
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -50,7 +50,7 @@ STICK = (
 SIX = ("robot=hexapod", "planner=trace")
 FREE = "expect={}"
 
-RECIPES: dict[str, Recipe] = {
+WALKS: dict[str, Recipe] = {
     **{name: Recipe(name) for name in scenario_names()},
     "flat-paper-75": Recipe("flat", ("mode=paper", "gait={duty_factor=0.75}", FREE)),
     "flat-even-speeds": Recipe("flat", ("gait={smooth=false}", FREE)),
@@ -128,6 +128,34 @@ RECIPES: dict[str, Recipe] = {
         ticks=2500,
     ),
 }
+
+# walks that are kept with the body swayed too, for 20 s each
+SWAYED = (
+    *("flat", "dem", "holes", "gap", "river", "steep", "stairs-up", "stepping-stones", "hillside"),
+    *("circle", "spot-turn", "turns-holes", "omni", "poles", "pit-touch", "block-touch"),
+    *("fig13", "fig14", "fig17-up", "holes-naive", "poles-eye", "pushes", "ground-that-changes"),
+    *("k-curve", "k-sideways", "k-turn", "k-free-vs-rigid", "tripod", "wave", "phantomx-free"),
+    "hexapod-stick",
+)
+BRIEFLY = ("end.time=20.0", FREE)
+
+
+def _recipes() -> dict[str, Recipe]:
+    """Every walk with the body straight as printed, and some with it swayed."""
+    recipes = {name: _with_body(recipe, "straight") for name, recipe in WALKS.items()}
+    for name in SWAYED:
+        recipe = _with_body(WALKS[name], "sway")
+        if not recipe.events:
+            recipe = replace(recipe, settings=(*recipe.settings, *BRIEFLY))
+        recipes[f"sway-{name}"] = recipe
+    return recipes
+
+
+def _with_body(recipe: Recipe, body: str) -> Recipe:
+    return replace(recipe, settings=(*recipe.settings, f'gait.body="{body}"'))
+
+
+RECIPES = _recipes()
 
 
 def walk(name: str) -> list[dict[str, Any]]:
