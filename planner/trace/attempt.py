@@ -5,13 +5,14 @@ rigid gait; and the moves it comes to.
 from __future__ import annotations
 
 from collections.abc import Generator
+from dataclasses import replace
 from typing import NamedTuple
 
 from ..geometry.paths import SampledPath
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
 from ..types import Gait, Stance
-from .footholds import AIR, Footing, is_plenty, thinning
+from .footholds import AIR, Footing, is_open, is_plenty, thinning
 from .lane import TraceWindow, lane_along
 from .moves import Move, moves_along
 from .periodic_gaits import RigidGait
@@ -19,6 +20,11 @@ from .reachability import Reachability
 from .stability_table import MARGIN
 from .state_search import StatePath, search, search_rigid
 from .state_sequence import SupportState
+
+# body lengths that the fastest gait must lead ahead to be walked until it is made anew; with less
+# the search stands still where it could still go on, with more it comes to walls it cannot leave
+LEAD_MIN = 1.25
+LEAD_OPEN_MIN = 0.1  # the same where nothing is forbidden: there are no blind alleys
 
 
 class TraceCourse(NamedTuple):
@@ -37,6 +43,10 @@ class TraceCourse(NamedTuple):
     def start(self) -> int:
         """The sample of the body, counted so."""
         return self.window.now - self.window.first
+
+    def up_to(self, sample: int) -> TraceCourse:
+        """The same with its goal at ``sample``, counted so."""
+        return self._replace(window=self.window._replace(last=self.window.first + sample))
 
 
 class Task(NamedTuple):
@@ -76,15 +86,24 @@ class Attempt:
         self.looked = 0
         self.torso_stops = False
         self.was_thinned = False  # the last search saw only some of the footholds there are
+        self.leads_in_the_open = False  # over ground of which nothing is forbidden
 
     def on_plenty(self, count: int) -> Generator[None, None, None]:
-        """Search on the trace, if most of the ground along it may be stepped on."""
+        """Search on the trace, if most of the ground along it may be stepped on. What leads well
+        ahead is taken for a way to a nearer goal.
+        """
         course = self.course
         lane = lane_along(
             course.trace, course.window, self.stance, self.terrain, self.machine, self.gait, 0.0
         )
         if self.rigid is not None and is_plenty(lane, self.terrain, self.machine):
             yield from self.along(0.0, count, count)
+            lead = (self.path.farthest - course.start) * course.trace.step / self.machine.torso[0]
+            if self.moves and lead >= LEAD_MIN:
+                self.course = course.up_to(self.path.farthest)
+                self.path = replace(self.path, complete=True)
+            elif self.moves and lead >= LEAD_OPEN_MIN:
+                self.leads_in_the_open = is_open(lane, self.terrain, self.machine)
 
     def along(
         self, aside: float, count: int, count_dense: int, whole: bool = False

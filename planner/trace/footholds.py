@@ -100,6 +100,11 @@ def is_plenty(lane: Lane, terrain: TerrainMap, machine: Machine) -> bool:
     return patch.size > 0 and barred <= (1.0 - PLENTY) * patch.size
 
 
+def is_open(lane: Lane, terrain: TerrainMap, machine: Machine) -> bool:
+    """Whether nothing within reach of the lane is forbidden."""
+    return not terrain.forbidden[within_reach(lane, terrain, machine)].any()
+
+
 def _parts(terrain: TerrainMap, machine: Machine) -> int:
     """Into how many parts a cell is divided each way. Level ground is one surface: how coarse its
     map is does not say where a foot may stand. 1 anywhere else.

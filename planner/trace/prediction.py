@@ -175,7 +175,7 @@ def _first_way(task: Task, rigid: RigidGait | None, looks: Looks) -> Generator[N
         # a free gait may be any gait: where there is plenty of ground it is the fastest one
         fast = Attempt(task, Manner(fastest_gait(task.machine)))
         yield from fast.on_plenty(limit)
-        if fast.path.complete:
+        if fast.path.complete or fast.leads_in_the_open:
             return fast
     attempt = Attempt(task, Manner(rigid))
     for aside, count in looks:

@@ -42,6 +42,24 @@ def test_where_there_is_plenty_of_ground_it_is_as_fast_as_the_tripod(terrain: st
     assert distance(*keys) >= 0.95 * distance(*keys, "gait.rigid=tripod")
 
 
+@pytest.mark.parametrize(
+    ("robot", "degrees"), [("phantomx", 6.0), ("phantomx", 8.0), ("phantomx", 9.0)]
+)
+def test_on_a_slope_that_shortens_its_reach_it_is_as_fast_as_the_tripod(
+    robot: str, degrees: float
+) -> None:
+    slope = f"terrain={{kind='slope',angle_deg={degrees}}}"
+    keys = (f"robot={robot}", slope, "drive=[{t=0.0,speed=0.4}]")
+    free = distance(*keys)
+    assert free > 0.1
+    assert free >= 0.95 * distance(*keys, "gait.rigid=tripod")
+
+
+def test_before_the_end_of_the_map_it_does_not_stand_and_search() -> None:
+    keys = ("robot=hexapod", "terrain={kind='slope',angle_deg=0.0}", "drive=[{t=0.0,speed=0.4}]")
+    assert distance(*keys) >= 0.95 * distance(*keys, "gait.rigid=tripod")
+
+
 def scaled(size: float) -> str:
     """A hexapod of another size, every length with it, as a setting."""
     robot: dict[str, Any] = as_data(load_machine("hexapod"))
@@ -58,7 +76,9 @@ def scaled(size: float) -> str:
     return toml({"robot": robot}).strip()
 
 
+@pytest.mark.parametrize("slope", [0.0, 8.0])
 @pytest.mark.parametrize("size", [0.4, 0.75, 1.6])
-def test_hexapods_of_other_sizes_are_as_fast_as_their_tripod(size: float) -> None:
-    keys = (scaled(size), f"drive=[{{t=0.0,speed={0.4 * size}}}]")
+def test_hexapods_of_other_sizes_are_as_fast_as_their_tripod(size: float, slope: float) -> None:
+    drive = f"drive=[{{t=0.0,speed={0.4 * size}}}]"
+    keys = (scaled(size), drive, f"terrain={{kind='slope',angle_deg={slope}}}")
     assert distance(*keys) >= 0.95 * distance(*keys, "gait.rigid=tripod")
