@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib import resources
@@ -82,9 +83,14 @@ class _Map:
 
 
 def read_heights(
-    terrain: FileTerrain, base: Path | None, start: tuple[float, float] = (0.0, 0.0)
+    terrain: FileTerrain,
+    base: Path | None,
+    start: tuple[float, float] = (0.0, 0.0),
+    stand: Sequence[tuple[float, float]] = (),
 ) -> FileGround:
-    """Heights, cell, origin and a line about them, of a height file; raises ``GroundError``."""
+    """Heights, cell, origin and a line about them, of a height file. ``start`` and the feet that
+    ``stand`` there, x, y m, should find ground. Raises ``GroundError``.
+    """
     path = (base or Path()) / terrain.file
     reader = READERS.get(path.suffix.lower())
     if reader is None:
@@ -99,7 +105,7 @@ def read_heights(
             raster = reader(path)
             if raster.surface is not None:
                 raster = raster.surface(terrain.scale, _mesh_cell(terrain))
-        return _understood(terrain, raster, start)
+        return _understood(terrain, raster, (start, *stand))
     except GroundError as error:
         raise GroundError(f"terrain file {terrain.file!r}: {error}") from None
     # broken files raise whatever the decoders underneath happen to: struct, zlib, tokenize ...
@@ -110,12 +116,16 @@ def read_heights(
         ) from None
 
 
-def given_heights(terrain: HeightsTerrain, start: tuple[float, float] = (0.0, 0.0)) -> FileGround:
+def given_heights(
+    terrain: HeightsTerrain,
+    start: tuple[float, float] = (0.0, 0.0),
+    stand: Sequence[tuple[float, float]] = (),
+) -> FileGround:
     """The same of heights that the scenario holds itself; raises ``GroundError``."""
     rows = [[math.nan if cell == "hole" else cell for cell in row] for row in terrain.rows]
     raster = Raster(np.array(rows, dtype=np.float64)[::-1], "heights of the scenario")
     try:
-        return _understood(terrain, raster, start)
+        return _understood(terrain, raster, (start, *stand))
     except GroundError as error:
         raise GroundError(f"terrain.rows: {error}") from None
 
@@ -126,7 +136,11 @@ def _mesh_cell(terrain: FileTerrain) -> float:
     return min(terrain.cell or SMOOTH_CELL, CELL_MAX)
 
 
-def _understood(terrain: MapTerrain, raster: Raster, start: tuple[float, float]) -> FileGround:
+def _understood(
+    terrain: MapTerrain, raster: Raster, places: Sequence[tuple[float, float]]
+) -> FileGround:
+    """``places``: the start, and the feet there."""
+    start = places[0]
     if raster.heights.ndim != 2 or min(raster.heights.shape) < 2:
         raise GroundError(
             f"heights must be (ny, nx) with at least 2 x 2 cells, got shape {raster.heights.shape}"
@@ -135,7 +149,7 @@ def _understood(terrain: MapTerrain, raster: Raster, start: tuple[float, float])
     found = _Map(_values(terrain, raster), _cell_of(terrain, raster), _own_origin(terrain, raster))
     found = found.saying(f"{raster.what}, {nx} x {ny} of {_size(found.cell)}")
     found = _stepped(_without_nodata(terrain, raster, found), terrain.step)
-    found = _cropped(_at(found, start, terrain.origin is not None), terrain.crop)
+    found = _cropped(_at(found, places, terrain.origin is not None), terrain.crop)
     found = _thinned(_square(found, start))
     heights = _brought_to_start(terrain, found, start)
     _check_heights(heights.heights, terrain)
@@ -147,7 +161,8 @@ def _understood(terrain: MapTerrain, raster: Raster, start: tuple[float, float])
 
 
 def _size(cell: tuple[float, float]) -> str:
-    return f"{cell[0]:g} m" if cell[0] == cell[1] else f"{cell[0]:g} x {cell[1]:g} m"
+    x, y = (f"{side:g}" for side in cell)
+    return f"{x} m" if x == y else f"{x} x {y} m"
 
 
 def _values(terrain: MapTerrain, raster: Raster) -> Array:
@@ -169,11 +184,9 @@ def _cell_of(terrain: MapTerrain, raster: Raster) -> tuple[float, float]:
     if raster.cell is None:
         return DEFAULT_CELL, DEFAULT_CELL
     if raster.latitude is not None:
-        x, y = _metres(raster.cell, raster.latitude)
         raise GroundError(
             f"its cells are degrees of longitude and latitude ({raster.cell[0]:g} x "
-            f"{raster.cell[1]:g}): set cell in metres; at latitude {raster.latitude:.4g} that is "
-            f"cell = [{x:.4g}, {y:.4g}]"
+            f"{raster.cell[1]:g}): set cell in metres{_in_metres(raster.cell, raster.latitude)}"
         )
     if min(raster.cell) < CELL_MIN:
         raise GroundError(
@@ -182,9 +195,15 @@ def _cell_of(terrain: MapTerrain, raster: Raster) -> tuple[float, float]:
     return raster.cell
 
 
-def _metres(cell: tuple[float, float], latitude: float) -> tuple[float, float]:
-    """Degrees of longitude and latitude in metres on the ground, within 1 %."""
-    return cell[0] * DEGREE * math.cos(math.radians(latitude)), cell[1] * DEGREE
+def _in_metres(cell: tuple[float, float], latitude: float) -> str:
+    """What degrees of longitude and latitude are on the ground, within 1 %; nothing where the file
+    lies at no latitude on earth.
+    """
+    if not abs(latitude) < 90.0:
+        return ""
+    x = cell[0] * DEGREE * math.cos(math.radians(latitude))
+    y = cell[1] * DEGREE
+    return f"; at latitude {latitude:.4g} that is cell = [{x:.4g}, {y:.4g}]"
 
 
 def _own_origin(terrain: MapTerrain, raster: Raster) -> tuple[float, float] | None:
@@ -237,11 +256,12 @@ def _stepped(found: _Map, step: int) -> _Map:
     return replace(found, heights=heights, cell=cell).saying(f"one cell in {step} taken")
 
 
-def _at(found: _Map, start: tuple[float, float], kept: bool) -> _Map:
-    """The map with a place: its own if that is ``kept`` or under the start, else its middle lies at
-    the origin.
+def _at(found: _Map, places: Sequence[tuple[float, float]], kept: bool) -> _Map:
+    """The map with a place: its own if that is ``kept`` or has ground at all these places, else its
+    middle lies at the origin.
     """
-    if found.origin is not None and (kept or _holds(found, found.origin, start)):
+    own = found.origin
+    if own is not None and (kept or all(_holds(found, own, place) for place in places)):
         return found
     ny, nx = found.heights.shape
     return replace(found, origin=(-(nx // 2) * found.cell[0], -(ny // 2) * found.cell[1]))

@@ -115,9 +115,9 @@ def make_ground(
     if isinstance(terrain, FileTerrain | HeightsTerrain):
         at = start[0], start[1]
         if isinstance(terrain, FileTerrain):
-            read = read_heights(terrain, base, at)
+            read = read_heights(terrain, base, at, stand)
         else:
-            read = given_heights(terrain, at)
+            read = given_heights(terrain, at, stand)
         ground = Ground(
             read.heights,
             read.cell,

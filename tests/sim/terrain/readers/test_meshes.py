@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 from tests.sim.terrain.readers.files import ground, of_fixture
+from walking_console import load_scenario
 from walking_console.sim.terrain.generators import GroundError
+from walking_console.sim.world import prepare
 
 
 def box(low: tuple[float, ...], high: tuple[float, ...]) -> np.ndarray:
@@ -74,3 +76,15 @@ def test_points_without_triangles_are_refused(tmp_path: Path) -> None:
     (tmp_path / "m.ply").write_text(head + axes + "end_header\n0 0 0\n1 0 0\n0 1 0\n")
     with pytest.raises(GroundError, match="no triangles"):
         ground(tmp_path / "m.ply")
+
+
+def test_a_mesh_that_begins_at_its_own_origin_is_walked_from_its_middle(tmp_path: Path) -> None:
+    import trimesh
+
+    corners = [[0, 0, 0], [6, 0, 0.18], [6, 5, 0.18], [0, 5, 0]]
+    trimesh.Trimesh(corners, [[0, 1, 2], [0, 2, 3]], process=False).export(tmp_path / "h.stl")
+    (tmp_path / "s.toml").write_text('[terrain]\nkind = "file"\nfile = "h.stl"\n', "utf-8")
+    made = prepare(load_scenario(str(tmp_path / "s.toml"))).ground
+    assert made.bounds == pytest.approx((-3.0, 3.0, -2.5, 2.5))
+    kept = prepare(load_scenario(str(tmp_path / "s.toml"), ("start={x=3.0,y=2.5}",))).ground
+    assert kept.bounds == pytest.approx((0.0, 6.0, 0.0, 5.0))

@@ -50,6 +50,17 @@ def test_pixels_in_degrees_are_answered_and_a_cell_in_metres_is_taken(tmp_path: 
     assert ground(tmp_path / "h.tif", cell=0.2).cell == 0.2
 
 
+def test_degrees_at_no_latitude_on_earth_are_not_turned_into_metres(tmp_path: Path) -> None:
+    keys = (1, 1, 0, 1, 1024, 0, 1, 2)
+    tie = (0.0, 0.0, 0.0, 641_000.0, 5_812_000.0, 0.0)
+    tifffile.imwrite(tmp_path / "h.tif", HILL[::-1].astype(np.float32), extratags=[
+        (33550, 12, 3, (3e-4, 3e-4, 0.0), False), (33922, 12, 6, tie, False),
+        (34735, 3, len(keys), keys, False),
+    ])  # fmt: skip
+    with pytest.raises(GroundError, match="set cell in metres$"):
+        ground(tmp_path / "h.tif")
+
+
 def test_unequal_pixels_are_interpolated_to_square_ones_and_that_is_told(tmp_path: Path) -> None:
     geotiff(tmp_path / "h.tif", (0.2, 0.4), 1)
     made = ground(tmp_path / "h.tif")
