@@ -50,6 +50,7 @@ app = typer.Typer(
     help="Statically stable walking: drive it in the browser, script it over REST, run it "
     "headless. Without a command: serve.",
     cls=ServeByDefault,
+    context_settings={"help_option_names": ["-h", "--help"]},
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,

@@ -55,6 +55,8 @@ SUMMARY = (
 )
 
 
+WALKED = ("robot", "planner", "mode", "seed", "plant")  # what tells two runs of a scenario apart
+
 log = logging.getLogger(__name__)
 
 
@@ -263,6 +265,9 @@ class RunJobs(ChildJobs):
         if summary is None or summary.get("result") not in RESULTS:
             return None
         figures = {key: summary.get(key) for key in SUMMARY}
+        scenario = summary.get("scenario")
+        if isinstance(scenario, dict):
+            figures |= {key: scenario.get(key) for key in WALKED}
         return str(summary["result"]), str(summary.get("reason", "")), figures
 
     def _drawing_words(self, folder: Path, part: Path) -> list[str]:

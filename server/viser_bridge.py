@@ -383,6 +383,44 @@ FORWARD_KEYS = """
 })();
 """
 
+PACE_DRAWING = """
+(() => {
+  // Where drawing is slow the page around, which drives, gets as much time as it in between.
+  const worth = 30; // ms of drawing from which on
+  const most = 300; // ms
+  const draw = window.requestAnimationFrame.bind(window);
+  const forget = window.cancelAnimationFrame.bind(window);
+  const costs = new WeakMap(); // ms, of what drew last
+  let drawing = false;
+  const timed = (act) => (time) => {
+    const began = performance.now();
+    drawing = true;
+    try {
+      act(time);
+    } finally {
+      drawing = false;
+      costs.set(act, performance.now() - began);
+    }
+  };
+  window.requestAnimationFrame = (act) => {
+    const cost = costs.get(act) ?? 0;
+    if (cost < worth) return draw(timed(act));
+    const rest = Math.min(cost, most);
+    // what asks while it draws has as long to draw yet
+    return -setTimeout(() => draw(timed(act)), drawing ? cost + rest : rest);
+  };
+  window.cancelAnimationFrame = (id) => (id < 0 ? clearTimeout(-id) : forget(id));
+})();
+"""
+
+MAKE_NO_CODE = """
+(() => {
+  // Part of the client, of which nothing here is drawn, makes functions from text as it loads. The
+  // content policy refuses that: they do nothing instead of ending in an error.
+  window.Function = new Proxy(window.Function, { apply: () => () => undefined });
+})();
+"""
+
 HIDE_PANEL = """
 /* viser's own panels: the page around has its own, and on a phone this one would lie under the
    thumbs */
@@ -405,7 +443,8 @@ def embedded(page: str, nonce: str) -> tuple[bytes, bool]:
     """The client with our script and style in its head, and whether every script in it carries the
     nonce.
     """
-    ours = f'<script nonce="{nonce}">{FORWARD_KEYS}</script><style>{HIDE_PANEL}</style>'
+    script = FORWARD_KEYS + PACE_DRAWING + MAKE_NO_CODE
+    ours = f'<script nonce="{nonce}">{script}</script><style>{HIDE_PANEL}</style>'
     nonced = (
         page.count(LOADER_MARK) == 1
         and page.count("<script data-p=") == 1

@@ -58,6 +58,10 @@ async def _say_invalid(_: Request, error: Exception) -> Response:
 def _fault(found: dict[str, Any]) -> dict[str, Any]:
     """Field, value and limit of one thing that is wrong with a body."""
     place = [str(part) for part in found["loc"] if part not in OUTER_PLACES]
+    if found["type"] == "json_invalid":  # its place is a letter's number
+        reason = (found.get("ctx") or {}).get("error", "")
+        message = f"it is no JSON, letter {place[-1]}: {reason}"
+        return {"field": "body", "value": None, "limit": None, "message": message}
     limits = {key: value for key, value in (found.get("ctx") or {}).items() if key != "error"}
     return {
         "field": ".".join(place) or "body",

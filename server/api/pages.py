@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from html import escape
 from pathlib import Path
 
 from fastapi import APIRouter, Request, WebSocket
@@ -72,6 +73,18 @@ async def index(request: Request, state: ConsoleState) -> Response:
     return await _file(request, page)
 
 
+@router.get("/favicon.ico")
+async def icon() -> Response:
+    """Where programs look that have not read the page."""
+    return RedirectResponse("favicon.svg", 307)
+
+
+@router.get("/docs/")
+async def docs_below() -> Response:
+    """The documents, as people type them."""
+    return RedirectResponse("../docs", 307)
+
+
 @router.get("/docs")
 async def docs(request: Request) -> Response:
     """The API's documents, without any outside host."""
@@ -139,8 +152,17 @@ async def static(request: Request, path: str, state: ConsoleState) -> Response:
     web = state.settings.web
     found = file_under(web if parts[0] == "vendor" else web / "page", parts)
     if found is None:
-        raise HTTPProblem(404, f"there is nothing at /{path[:PATH_SHOWN]}")
+        nothing = f"there is nothing at /{path[:PATH_SHOWN]}"
+        if "text/html" in request.headers.get("accept", ""):
+            return HTMLResponse(_sorry(request, nothing), 404, page_headers(request))
+        raise HTTPProblem(404, nothing)
     return await _file(request, found)
+
+
+def _sorry(request: Request, text: str) -> str:
+    """For people, in place of problem+json."""
+    page = f"{request.scope['root_path']}/"
+    return f'<!doctype html><title>Not found</title><p>{escape(text)}. <a href="{page}">Drive</a>'
 
 
 async def _file(request: Request, path: Path) -> Response:

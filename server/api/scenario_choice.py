@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from walking_console.planner import registry
-from walking_console.planner.robot.model import MachineError, load_machine
+from walking_console.planner.robot.model import MachineError, load_machine, machine_names
 from walking_console.planner.robot.toml_files import names_toml_file
 from walking_console.sim.runs.sweep.grid import sweep_of
 from walking_console.sim.scenario import Scenario, ScenarioError
@@ -36,6 +36,7 @@ def chosen_scenario(body: ScenarioBody, uploads: Uploads) -> Scenario:
     uploaded may be named.
     """
     settings = body.settings if isinstance(body, RunBody) else []
+    _refuse_unknown_robot(body.robot)
     try:
         data = _shipped(body, settings) if body.name is not None else _inline(body, settings)
         replaced = {"robot": body.robot, "mode": body.mode}
@@ -56,6 +57,13 @@ def chosen_scenario(body: ScenarioBody, uploads: Uploads) -> Scenario:
             faults=error.faults,
         ) from None
     return scenario
+
+
+def _refuse_unknown_robot(name: str | None) -> None:
+    known = machine_names()
+    if name is not None and name not in known and not names_toml_file(name):
+        there_are = f"unknown robot {name!r:.80}; there are: {', '.join(known)}"
+        raise HTTPProblem(422, there_are, field="robot", value=name)
 
 
 def _base_of(data: dict[str, Any], uploads: Uploads) -> Path | None:

@@ -199,6 +199,10 @@ def test_bench_prints_its_figures_and_writes_them_as_json(tmp_path, monkeypatch)
     assert any("Level C" in name for name in figures)
 
 
+def test_help_has_a_short_name():
+    assert called("run", "-h").stdout == called("run", "--help").stdout != ""
+
+
 def test_the_version_is_printed():
     result = called("--version")
     assert result.exit_code == 0

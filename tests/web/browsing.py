@@ -4,6 +4,7 @@ import contextlib
 import io
 import json
 import os
+import re
 import shutil
 import time
 import urllib.error
@@ -29,8 +30,7 @@ DRAW_SELDOM = """if (window.parent !== window) {
   window.requestAnimationFrame = (act) => setTimeout(() => draw(act), 100);
   window.cancelAnimationFrame = clearTimeout;
 }"""
-SCENE = "**/view/"
-VISER_EVAL = "Evaluating a string as JavaScript"  # viser tries to, and is refused
+SCENE = re.compile(r"/view/(\?|$)")
 
 BROWSER = os.environ.get("WALKING_CONSOLE_BROWSER") or next(
     filter(None, map(shutil.which, BROWSERS)), None

@@ -19,6 +19,11 @@ LATE_BY = "new Promise(done => { const began = performance.now(); const look = (
  document.body.classList.contains('late') ? done(performance.now() - began)\
  : setTimeout(look, 20); look(); })"
 
+STAND = """
+const now = () => performance.now();
+const stand = (ms) => { const end = now() + ms; while (now() < end); };
+"""
+
 
 @pytest.fixture
 def frozen(served: tuple[str, "subprocess.Popen[str]"]) -> Iterator[list[int]]:
@@ -51,8 +56,8 @@ def test_a_frozen_server_is_said_within_a_second_and_lets_the_stick_go(
     drag_until(page, 0.0, 1.0, lambda: now(address)["walked_m_s"] > 0.0)
     os.kill(frozen[0], signal.SIGSTOP)
     assert page.evaluate(LATE_BY) < 1000.0
-    assert page.inner_text("#link-text").startswith("no picture for")
-    assert page.locator("#stick.ignored").count() == 1
+    until(page, lambda: page.inner_text("#link-text").startswith("no picture for"))
+    until(page, lambda: page.locator("#stick.ignored").count() == 1)
     os.kill(frozen[0], signal.SIGCONT)
     until(page, lambda: page.locator("body.late").count() == 0)
     stays(page, address)  # the stick is still held
@@ -78,6 +83,40 @@ def test_a_page_that_hung_moves_nothing_again_before_a_new_press(address: str, p
     stays(page, address)
     page.mouse.up()
     drag_until(page, 0.0, 1.0, lambda: now(address)["walked_m_s"] > 0.0)
+
+
+def test_a_fresh_press_on_a_page_that_just_stood_still_waits_for_it_to_be_calm(
+    address: str, visit: Visit
+) -> None:
+    page = visit()
+    page.evaluate(
+        STAND
+        + """
+        stand(700);
+        document.dispatchEvent(new KeyboardEvent("keydown", {code: "KeyW"}));
+        setTimeout(stand, 50, 900);"""
+    )
+    until(page, lambda: now(address)["distance_m"] > 0.0)
+    page.evaluate("document.dispatchEvent(new KeyboardEvent('keyup', {code: 'KeyW'}))")
+
+
+def test_the_scene_leaves_the_page_as_much_time_as_its_drawing_takes(page: Page) -> None:
+    waited = page.frames[1].evaluate(
+        STAND
+        + """
+        new Promise(done => {
+          let runs = 0;
+          let ended = 0;
+          const draw = () => {
+            if (++runs === 3) return done(now() - ended);
+            requestAnimationFrame(draw);
+            stand(150);
+            ended = now();
+          };
+          requestAnimationFrame(draw);
+        })"""
+    )
+    assert waited > 140.0
 
 
 def held(page: Page, address: str) -> None:

@@ -160,3 +160,19 @@ def test_what_a_scenario_expects_is_ticked_off_at_its_end(address: str, page: Pa
     assert page.inner_text("#expected .bad").startswith("margin at least 9")
     page.click("#again")
     until(page, lambda: now(address)["playing"] and not page.locator("#expected").is_visible())
+
+
+def test_a_walk_is_lost_by_backspace_only_when_it_is_pressed_twice(
+    address: str, visit: Visit
+) -> None:
+    page = visit()
+    assert page.inner_text("#time") == "0:00.0"  # it has not moved yet, however long it stands
+    drag_until(page, 0.0, 1.0, lambda: now(address)["distance_m"] > 0.01)
+    page.mouse.up()
+    until(page, lambda: now(address)["mode"] == "stand" and page.inner_text("#time") != "0:00.0")
+    page.locator("body").press("Backspace")
+    until(page, lambda: "Backspace again" in page.inner_text("#toast"))
+    assert now(address)["distance_m"] > 0.0
+    page.locator("body").press("Backspace")
+    page.locator("body").press("Backspace")
+    until(page, lambda: now(address)["distance_m"] == 0.0)

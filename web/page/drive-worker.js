@@ -2,7 +2,9 @@
 // not. In a worker, because heavy drawing stalls the page's own thread for hundreds of milliseconds.
 //
 // Every press of a hand has a number. A press that was let go of without the hand, since the page
-// hung or its picture grew old, moves nothing any more: the next press does.
+// hung or its picture grew old, moves nothing any more: the next press does. A press that comes just
+// after the page stood still, as pages do while they load, has moved nothing yet: it waits for a calm
+// page, held all the while, instead of being let go at the next stall.
 
 /**
  * @import {Command, DropReason, Health, PageMessage, PongFrame, Posture, RefusedFrame,
@@ -13,6 +15,10 @@ const TICK = 20; // ms between looks at the clock
 const REPEAT = 40; // ms between repeats of a held command
 const SOONEST = 16; // ms between two frames: the server allows 100 a second
 const PAGE_SILENT = 500; // ms without a sign of life from the page after which the machine holds
+const STUTTERS = 300; // ms between two signs of life of the page: it is busy, and may be again
+const STUTTERED = 3000; // ms after that in which a fresh press waits
+const CALM = 400; // ms without that after which what waits moves
+const WAITS = 6000; // ms a press waits at most
 const SETTLE = 400; // ms for which a released stick is still repeated as zero
 const IDLE_RELEASE = 6000; // ms at rest after which others may drive
 const PING_EVERY = 250; // ms
@@ -46,6 +52,9 @@ let healthSaid = 0;
 /** @type {number | null} */
 let roundTrip = null; // ms
 let pageSeen = 0;
+let stuttered = -Infinity; // when the page last came back from standing still
+let waiting = 0; // the press that has moved nothing yet, for the page to be calm
+let waitsUntil = 0;
 let sentAt = 0;
 let restSince = -Infinity;
 let holding = false; // this page has the lease, as far as we know
@@ -95,13 +104,35 @@ function follow(next, number) {
     const anew = dropped === press; // so the hand has let go of what was dropped
     press = number;
     pressSequence = sequence;
+    waitIfStuttering();
     if (anew) {
       drive(true);
       sentAt = -Infinity;
     }
   }
   if (isLate()) drop("late");
-  obey(press > dropped ? next : REST);
+  if (now() - stuttered > CALM) waiting = 0;
+  const obeyed = press > dropped && waiting !== press;
+  obey(obeyed ? next : REST);
+}
+
+function waitIfStuttering() {
+  const time = now();
+  if (!rests(command) || time - stuttered > STUTTERED) return;
+  waiting = press;
+  waitsUntil = time + WAITS;
+}
+
+/** The page has not been heard for too long: a press that moves nothing yet may wait on. */
+function pageIsSilent() {
+  if (waiting !== press || now() > waitsUntil) drop("hung");
+}
+
+/** The page is heard. */
+function seePage() {
+  const time = now();
+  if (time - pageSeen > STUTTERS) stuttered = time;
+  pageSeen = time;
 }
 
 /** @param {Command} next */
@@ -167,8 +198,10 @@ function watch() {
   // not the link's fault: what has come meanwhile is still to be heard
   if (stall > STALLED) {
     pictured += stall;
+    pageSeen += stall;
     if (pinged) pinged += stall;
   }
+  if (stall > PAGE_SILENT && !rests(command)) drop("hung"); // and nobody has heard of it meanwhile
   if (socket?.readyState === WebSocket.OPEN) watchOpen(time);
   else if (socket && time > openBy) lose();
   if (time - healthSaid < HEALTH_EVERY) return;
@@ -191,7 +224,7 @@ function watchOpen(time) {
 function repeat() {
   watch();
   const time = now();
-  if (time - pageSeen > PAGE_SILENT) drop("hung");
+  if (time - pageSeen > PAGE_SILENT) pageIsSilent();
   const due = time - sentAt >= REPEAT - 5;
   if (!rests(command)) {
     if (due) drive();
@@ -266,7 +299,7 @@ function hearPong({ sent_ms, kept_ms }) {
 
 /** @param {MessageEvent<PageMessage>} event */
 onmessage = ({ data }) => {
-  pageSeen = now();
+  seePage();
   switch (data.type) {
     case "command":
     case "alive":

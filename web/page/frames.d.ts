@@ -186,11 +186,15 @@ export interface Health {
   late: boolean;
 }
 
-/** What the stick asks for: x forward and y left with a length of at most 1, turn from -1 to 1. */
+/**
+ * What the stick asks for: x forward and y left with a length of at most 1, turn from -1 to 1; and
+ * the speed at full length, m/s, where it is not the slider's.
+ */
 export interface StickValue {
   x: number;
   y: number;
   turn: number;
+  speed?: number;
 }
 
 /** How a scenario's timeline ended, and what of the expected came. */

@@ -1,13 +1,14 @@
-// The drive stick: pointer, touch and held keys become one direction (x forward, y left, length 0
-// to 1) and one turn (-1 to 1).
+// The drive stick: pointer, touch, held keys and the other hands become one direction (x forward,
+// y left, length 0 to 1) and one turn (-1 to 1).
 //
 // What is held is believed only as long as the page can see it: a browser's menu keeps the key-up
 // for itself. A keyboard that repeats held keys must go on repeating the last one.
 
 /** @import {StickValue} from "./frames" */
 
-import { div, element, input } from "./dom.js";
+import { div, element } from "./dom.js";
 import { keep, saved } from "./settings.js";
+import { TurnStick } from "./turn_stick.js";
 
 const FIRST_REPEAT = 1200; // ms until a held key repeats at last
 const NEXT_REPEAT = 400; // ms between its repeats at last
@@ -33,6 +34,14 @@ const TURNS = { KeyQ: 1, KeyE: -1 };
 /** @param {string} code */
 export const isDrivingKey = (code) => code in DIRECTIONS || code in TURNS;
 
+/**
+ * Something else that a hand holds.
+ * @typedef {object} OtherHand
+ * @property {boolean} isHeld
+ * @property {StickValue} value
+ * @property {() => void} letGo
+ */
+
 export class Joystick {
   /** @param {(value: StickValue) => void} changed */
   constructor(changed) {
@@ -46,7 +55,9 @@ export class Joystick {
     this.changed = changed;
     this.pad = div("stick");
     this.knob = div("knob");
-    this.slider = input("turn-slider");
+    this.turning = new TurnStick(() => this.pressed(), () => this.show());
+    /** @type {OtherHand[]} */
+    this.others = []; // while one of them is held, nothing else counts
     this.wedge = element("stick-wedge", SVGPathElement);
     this.line = element("stick-line", SVGLineElement);
     /** @type {number | null} */
@@ -56,7 +67,6 @@ export class Joystick {
     /** @type {Set<string>} */
     this.keys = new Set();
     this.slow = false;
-    this.slide = 0;
     this.#listen();
   }
 
@@ -65,9 +75,11 @@ export class Joystick {
    * @returns {StickValue}
    */
   get value() {
+    const other = this.others.find((one) => one.isHeld);
+    if (other) return other.value;
     const { x, y } = this.pointer === null ? this.#keyed() : this.drag;
     const size = this.slow ? SLOW : 1;
-    let turn = this.slide;
+    let turn = this.turning.turn;
     for (const code of this.keys) turn += (TURNS[code] ?? 0) * size;
     return { x, y, turn: Math.max(-1, Math.min(1, turn)) };
   }
@@ -94,8 +106,13 @@ export class Joystick {
     this.ignored.delete(code);
     this.repeating = code;
     this.believedUntil = saved.repeats ? performance.now() + FIRST_REPEAT : Infinity;
+    this.pressed();
+    this.show();
+  }
+
+  /** A hand has come, here or elsewhere. */
+  pressed() {
     this.presses++;
-    this.#show();
   }
 
   /**
@@ -119,7 +136,7 @@ export class Joystick {
     // of several keys only the last one repeats, and none when that is let go
     if (code === this.repeating) this.believedUntil = Infinity;
     this.keys.delete(code);
-    this.#show();
+    this.show();
   }
 
   /** Keys move nothing before they are pressed anew. */
@@ -128,24 +145,26 @@ export class Joystick {
     for (const code of this.keys) this.ignored.add(code);
     this.ignoredSeen = performance.now();
     this.keys.clear();
-    this.#show();
+    this.show();
   }
 
   /** Whether a hand holds anything here, as far as the page can see. */
   get isHeld() {
-    return this.pointer !== null || this.keys.size > 0 || this.slide !== 0;
+    const here = this.pointer !== null || this.keys.size > 0 || this.turning.isHeld;
+    return here || this.others.some((one) => one.isHeld);
   }
 
   /** Everything at rest, also a stick that is still held: it moves nothing before it is grabbed anew. */
   letGo() {
     this.liftKeys();
     if (this.pointer !== null) this.ignored.add(this.pointer);
-    this.#straighten();
+    this.turning.letGo();
+    for (const other of this.others) other.letGo();
     this.#release();
   }
 
   #listen() {
-    const { pad, slider } = this;
+    const { pad } = this;
     pad.addEventListener("pointerdown", (event) => this.#grab(event));
     pad.addEventListener("pointermove", (event) => this.#mine(event) && this.#follow(event));
     document.addEventListener("pointerup", (event) => this.#forget(event.pointerId));
@@ -155,18 +174,6 @@ export class Joystick {
       pad.addEventListener(end, (event) => this.#mine(event) && this.#release());
     }
     pad.addEventListener("contextmenu", (event) => event.preventDefault());
-    slider.addEventListener("pointerdown", () => this.presses++);
-    slider.addEventListener("keydown", () => this.presses++);
-    slider.addEventListener("input", () => {
-      this.slide = -Number(slider.value);
-      this.#show();
-    });
-    for (const end of ["pointerup", "pointercancel", "lostpointercapture", "blur", "keyup"]) {
-      slider.addEventListener(end, () => {
-        this.#straighten();
-        this.#show();
-      });
-    }
   }
 
   /** @param {PointerEvent} event */
@@ -181,7 +188,7 @@ export class Joystick {
     this.pad.focus({ preventScroll: true });
     this.pointer = event.pointerId;
     this.ignored.clear();
-    this.presses++;
+    this.pressed();
     this.pad.setPointerCapture(event.pointerId);
     const box = this.pad.getBoundingClientRect();
     this.middle = { x: box.left + box.width / 2, y: box.top + box.height / 2 };
@@ -199,7 +206,7 @@ export class Joystick {
 
   /** @param {number | string} held */
   #forget(held) {
-    if (this.ignored.delete(held)) this.#show();
+    if (this.ignored.delete(held)) this.show();
   }
 
   #forgetKeys() {
@@ -223,7 +230,7 @@ export class Joystick {
     const size = Math.min(Math.max((length - DEAD) / (1 - DEAD), 0), 1);
     // + 0 makes a plain zero of -0: straight back is then π, not -π
     this.drag = size ? { x: (x / length) * size + 0, y: (y / length) * size + 0 } : { x: 0, y: 0 };
-    this.#show();
+    this.show();
   }
 
   /** px from the middle to a full throw. */
@@ -234,15 +241,11 @@ export class Joystick {
   #release() {
     this.pointer = null;
     this.drag = { x: 0, y: 0 };
-    this.#show();
+    this.show();
   }
 
-  #straighten() {
-    this.slide = 0;
-    this.slider.value = "0";
-  }
-
-  #show() {
+  /** As it is now, on the page and to whoever listens. */
+  show() {
     const { x, y } = this.value;
     const active = x !== 0 || y !== 0;
     const reach = this.#throw();

@@ -11,6 +11,8 @@ import { Brushes } from "./brushes.js";
 import { DecisionPanel } from "./decision_panel.js";
 import { button, buttons, div, element, input, mark, write } from "./dom.js";
 import { DriveLink } from "./drive_link.js";
+import { ExactCourse } from "./exact_course.js";
+import { GamepadHand } from "./gamepad.js";
 import { Joystick } from "./joystick.js";
 import { listenToKeys } from "./keyboard.js";
 import { NO_LEASE, refusalText, showLease } from "./lease_view.js";
@@ -62,10 +64,11 @@ const brushes = new Brushes(scene);
  * @param {StickValue} value
  * @returns {Command}
  */
-function commandOf({ x, y, turn }) {
+function commandOf({ x, y, turn, speed }) {
+  const full = speed ?? Number(input("top-speed-slider").value);
   return {
     crab_angle_rad: x || y ? Math.atan2(y, x) : 0,
-    speed_m_s: Math.min(Math.hypot(x, y), 1) * Number(input("top-speed-slider").value),
+    speed_m_s: Math.min(Math.hypot(x, y), 1) * full,
     turn_rate_rad_s: newest?.may_turn ? turn * TURN_FULL : 0,
   };
 }
@@ -174,7 +177,7 @@ function closeMenu() {
 const SHORTCUTS = {
   KeyP: () => world.pauseOrGo(),
   Period: () => world.advance(),
-  Backspace: () => world.reset(),
+  Backspace: () => world.resetByKey(),
   KeyR: () => lease.stopped && stopOrRelease(),
   KeyO: () => world.gallery.open(),
   KeyC: () => scene.home(),
@@ -273,7 +276,7 @@ function hearSnapshot(s) {
   newest = s;
   document.body.classList.add("live");
   document.body.classList.toggle("on-trace", s.follows_trace);
-  div("turn-control").hidden = !s.may_turn;
+  div("turn-control").hidden = div("turn-stick").hidden = !s.may_turn;
   if (s.stopped !== lease.stopped) {
     lease = { ...lease, stopped: s.stopped };
     showLease(lease, ours);
@@ -289,6 +292,19 @@ function hearSnapshot(s) {
 }
 
 new OwnFiles(letGo);
+new ExactCourse(stick);
+new GamepadHand(stick, {
+  came: () => say("A gamepad: the left stick goes, the right one turns, B stops."),
+  vanished: () => {
+    letGo();
+    say("The gamepad has gone: the machine stands.");
+  },
+  buttons: {
+    1: stop,
+    3: () => postures.sitOrStand(),
+    9: () => world.pauseOrGo(),
+  },
+});
 drawTicks();
 chooseTopSpeed();
 wireButtons();

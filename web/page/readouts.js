@@ -46,6 +46,16 @@ function tickEnd(angle) {
   return angle % 45 === 0 ? 47 : 49;
 }
 
+let still = 0; // s of simulated time until it first moved
+
+/** @param {SnapshotFrame} s */
+function timeOnTheWay({ time_s, step, distance_m, mode }) {
+  const unmoved = step === 0 && distance_m === 0 && mode === "stand";
+  if (unmoved) still = time_s;
+  else if (time_s < still) still = 0;
+  return time_s - still;
+}
+
 /** @param {SnapshotFrame} s */
 export function showReadouts(s) {
   const arrived = s.blocked_by === "arrived";
@@ -56,7 +66,7 @@ export function showReadouts(s) {
   write("step", String(s.step));
   write("swing", s.swing.length && !STILL.includes(s.mode) ? s.swing.map(legTitle).join(", ") : "–");
   write("distance", s.distance_m.toFixed(2));
-  write("time", clock(s.time_s));
+  write("time", clock(timeOnTheWay(s)));
   write("flags", s.flags.map((set, k) => (set ? `F${k + 1}` : "·")).join(" "));
   write("late", (s.late_s * 1000).toFixed(s.late_s < 0.01 ? 1 : 0));
   showCourse(s);

@@ -6,6 +6,9 @@ import { element } from "./dom.js";
 const TRIES = 40;
 const TRY_AGAIN = 250; // ms
 const LOOK_AGAIN = 700; // ms; a reconnected viewer gets new switches
+const SOFTWARE = /swiftshader|llvmpipe|software|basic render/i;
+const SOFTWARE_PIXELS = 450_000; // what a processor draws several times a second
+const COARSEST = 0.5; // px drawn for one of the screen
 const LABEL_DEPTH = 5; // elements above a switch in which its label is looked for
 const STYLE = `
   .mantine-Notifications-root, .mantine-Paper-root { display: none !important; }
@@ -20,7 +23,7 @@ export class ViserFrame {
     this.wanted = new Map();
     this.painting = false;
     this.frame.addEventListener("load", () => this.#dress());
-    if (this.#document?.readyState === "complete") this.#dress();
+    this.frame.src = sceneAddress();
     setInterval(() => this.#apply(), LOOK_AGAIN);
   }
 
@@ -77,6 +80,22 @@ export class ViserFrame {
       if (wanted !== undefined && box.checked !== wanted) box.click();
     }
   }
+}
+
+/** Fewer pixels where no graphics card draws them: the page's thread waits for each. */
+function sceneAddress() {
+  const pixels = window.innerWidth * window.innerHeight;
+  const share = Math.max(Math.sqrt(SOFTWARE_PIXELS / pixels), COARSEST);
+  const sharp = share > 1 || new URLSearchParams(location.search).has("sharp");
+  return sharp || !isDrawnBySoftware() ? "view/" : `view/?fixedDpr=${share.toFixed(2)}`;
+}
+
+function isDrawnBySoftware() {
+  const gl = document.createElement("canvas").getContext("webgl");
+  const names = gl?.getExtension("WEBGL_debug_renderer_info");
+  const name = gl && names ? String(gl.getParameter(names.UNMASKED_RENDERER_WEBGL)) : "";
+  gl?.getExtension("WEBGL_lose_context")?.loseContext();
+  return SOFTWARE.test(name);
 }
 
 /** @param {Element} box */

@@ -9,6 +9,7 @@ import { onPress } from "./press.js";
 import { say } from "./status.js";
 
 const ADVANCE_TICKS = 25; // half a second
+const TWICE = 2500; // ms within which a key that loses the walk must be pressed again
 
 export class WorldControls {
   /** @param {() => void} letGo called before another world is loaded */
@@ -21,6 +22,7 @@ export class WorldControls {
     this.rates = buttons("#rate button");
     this.loading = false;
     this.wasPlaying = false;
+    this.resetAsked = -Infinity; // ms
     /** @type {Played | null} */
     this.played = null; // how the timeline ended, until it is driven on
     /** @type {SnapshotFrame | null} */
@@ -65,6 +67,14 @@ export class WorldControls {
 
   reset() {
     return this.#post("reset");
+  }
+
+  /** A key may be pressed in passing. */
+  resetByKey() {
+    const asked = this.resetAsked;
+    this.resetAsked = performance.now();
+    if (this.resetAsked - asked < TWICE) this.reset();
+    else say("Press Backspace again to go back to the start.");
   }
 
   /** @param {number} rate */

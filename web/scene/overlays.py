@@ -1,4 +1,4 @@
-"""What lies on the ground around the machine: support polygon, commanded path, reach, shadow.
+"""What lies on the ground around the machine: support polygon, commanded path, reach, names.
 
 Every overlay makes its nodes once and then answers with what changed.
 """
@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 import viser
-from numpy.typing import NDArray
 
 from walking_console.planner.geometry.paths import arc_of_command
 from walking_console.planner.geometry.transforms import direction, placed, turned
@@ -22,12 +21,11 @@ from walking_console.sim.snapshot import Snapshot
 
 from .draped_mesh import EDGE_LIFT, LIFT, VERTICES, drape, draped_faces
 from .palette import BAD, GOOD, PATH, RGB, WARN, for_scene, leg_names, margin_share
-from .solids import circle, disc
+from .solids import disc
 from .terrain_tiles import TerrainTiles
-from .types import Change, Floats, Indices, Segments
+from .types import Change, Floats, Segments
 
 COG_COLOUR = (232, 236, 242)
-SHADOW = (4, 6, 10)
 REACH_COLOUR = (120, 150, 190)
 STROKE_COLOUR = (200, 170, 110)
 
@@ -38,9 +36,6 @@ SPOT_TURN = (0.3, 1.5)  # rad, a turn on the spot is drawn as an arc between the
 SPOT = 0.05  # share of the pace below which a command counts as a turn on the spot
 BARB_BACK = 0.14  # m, the arrow's head
 BARB_OUT = 0.08  # m
-SHADOW_RINGS = 5
-SHADOW_CORNERS = 24
-SUN = np.array((0.12, -0.12))  # m the torso's shadow lies off, away from the sun
 FLAT: dict[str, Any] = {"side": "double", "cast_shadow": False, "receive_shadow": False}
 NAME_SCALE = 0.8  # of viser's letters; larger: they hide the feet
 NOTHING = np.zeros((1, 2, 3))  # line segments that show nothing
@@ -74,7 +69,9 @@ OverlayMaker = Callable[[viser.ViserServer, Machine], Overlay]
 
 
 class StabilityOverlay(Overlay):
-    """The support polygon in the colour of its margin, and the centre of gravity over it."""
+    """The support polygon in the colour of its margin, dashed where that is small, and the centre
+    of gravity over it.
+    """
 
     def __init__(self, server: viser.ViserServer, machine: Machine) -> None:
         super().__init__()
@@ -113,12 +110,15 @@ class StabilityOverlay(Overlay):
         feet = zip(snapshot.feet, snapshot.support, strict=True)
         carrying = [foot for foot, carries in feet if carries]
         corners = support_polygon(carrying)
-        if not self._is_new("polygon", tuple((round(a, 3), round(b, 3)) for a, b in corners)):
+        dashed = margin_share(snapshot.polygon_margin) < 1.0  # not by its colour alone
+        shape = tuple((round(a, 3), round(b, 3)) for a, b in corners)
+        if not self._is_new("polygon", (shape, dashed)):
             return []
         heights = {(foot[0], foot[1]): foot[2] for foot in carrying}
         ring: list[Point] = [(x, y, heights[x, y]) for x, y in corners]
         mesh, edge = drape(np.array(ring or [(*snapshot.body[:2], below)]), terrain)
-        return [(self.fill, "vertices", mesh), (self.outline, "points", edge)]
+        shown = edge[::2] if dashed else edge
+        return [(self.fill, "vertices", mesh), (self.outline, "points", shown)]
 
 
 class PathOverlay(Overlay):
@@ -201,41 +201,6 @@ class NamesOverlay(Overlay):
         return [(label, "position", at) for label, at in zip(self.handles, places, strict=True)]
 
 
-class ShadowOverlay(Overlay):
-    """A soft shadow under the torso and every foot: cheap, and it shows how high things are."""
-
-    def __init__(self, server: viser.ViserServer, machine: Machine) -> None:
-        super().__init__()
-        self.height = machine.height
-        length, width, _ = machine.torso
-        round_corners = circle(1.0, SHADOW_CORNERS)
-        square = np.sign(round_corners) * np.sqrt(np.abs(round_corners))
-        self.rim_b = square * (length / 2, width / 2)
-        self.spot = circle(2.6 * machine.foot_radius, SHADOW_CORNERS)
-        legs = len(machine.legs)
-        vertices = np.zeros(((SHADOW_RINGS + legs) * SHADOW_CORNERS, 3))
-        self.shadow = server.scene.add_mesh_simple(
-            "/world/shadow", vertices, shadow_faces(legs), color=SHADOW, opacity=0.13, **FLAT
-        )
-        self.handles = [self.shadow]
-
-    def changes(self, snapshot: Snapshot, terrain: TerrainTiles) -> list[Change]:
-        """Everything that differs from the frame before."""
-        x, y, z, _, _, yaw = snapshot.body
-        feet = [(foot[0], foot[1]) for foot in snapshot.feet]
-        place = (round(x, 2), round(y, 2), round(yaw, 2))
-        if not self._is_new("shadow", (place, [(round(a, 2), round(b, 2)) for a, b in feet])):
-            return []
-        rim = rotated(self.rim_b, yaw) + (x, y) + SUN
-        middle = np.array((x, y)) + SUN
-        rings = [middle + (rim - middle) * (0.55 + 0.16 * k) for k in range(SHADOW_RINGS)]
-        flat = np.concatenate([*rings, *(self.spot + foot for foot in feet)])
-        heights = terrain.heights(flat, z - self.height)
-        layer = np.repeat(np.arange(len(flat) // SHADOW_CORNERS) % SHADOW_RINGS, SHADOW_CORNERS)
-        vertices = np.column_stack([flat, heights + 0.014 + 0.002 * layer])
-        return [(self.shadow, "vertices", vertices.astype(np.float32))]
-
-
 def margin_colour(margin: float) -> RGB:
     """Red at 0 and below, amber half-way, green from ``MARGIN_GOOD`` on, in the scene's colours."""
     share = round(margin_share(margin) * MARGIN_STEPS) / MARGIN_STEPS
@@ -307,11 +272,3 @@ def stroke_lines(machine: Machine, crab_angle: float) -> Segments:
         front = (cx + half * ux, cy + half * uy, 0.0)
         pieces.append((rear, front))
     return np.array(pieces, np.float32)
-
-
-def shadow_faces(legs: int) -> Indices:
-    """Fans over rings of corners: some under the torso, stacked so that the edge is soft, and one
-    under each foot.
-    """
-    fan: NDArray[Any] = np.array([[0, i, i + 1] for i in range(1, SHADOW_CORNERS - 1)])
-    return np.concatenate([fan + ring * SHADOW_CORNERS for ring in range(SHADOW_RINGS + legs)])

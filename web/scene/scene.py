@@ -22,12 +22,12 @@ from .overlays import (
     OverlayMaker,
     PathOverlay,
     ReachOverlay,
-    ShadowOverlay,
     StabilityOverlay,
 )
 from .plan_overlays import PreviewOverlay, StepOverlay
 from .robot import RobotNode
 from .robot_shapes import RobotShapes
+from .shadow import ShadowOverlay
 from .sky import DUSK, hang
 from .terrain_tiles import TerrainTiles
 from .trails import Trails

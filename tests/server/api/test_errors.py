@@ -41,3 +41,20 @@ def test_what_there_is_not_is_404(client: TestClient, path: str) -> None:
 
 def test_a_wrong_method_is_405(client: TestClient) -> None:
     problem_of(client.delete("/api/v1/console/stop"), 405)
+
+
+def test_what_is_no_json_is_said_of_the_body_and_not_of_a_field_called_0(
+    client: TestClient,
+) -> None:
+    answer = client.put(
+        "/api/v1/console/scenario", content="nope", headers={"content-type": "application/json"}
+    )
+    problem = problem_of(answer, 422)
+    assert problem["field"] == "body" and "no JSON" in problem["detail"]
+
+
+def test_an_unknown_robot_is_said_of_the_robot_with_those_there_are(client: TestClient) -> None:
+    body = {"name": "flat", "robot": "nobody"}
+    problem = problem_of(client.put("/api/v1/console/scenario", json=body), 422)
+    assert (problem["field"], problem["value"]) == ("robot", "nobody")
+    assert "hexapod" in problem["detail"] and "path" not in problem["detail"]

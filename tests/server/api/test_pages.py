@@ -86,3 +86,16 @@ def test_a_link_out_of_the_page_s_folder_is_not_followed(
     with TestClient(app, base_url=HERE) as client:
         assert client.get("/own.txt").text == "own"
         problem_of(client.get("/link.txt"), 404)
+
+
+def test_what_browsers_and_people_ask_for_by_habit_leads_somewhere(client: TestClient) -> None:
+    for asked, there in {"/docs/": "../docs", "/favicon.ico": "favicon.svg"}.items():
+        answer = client.get(asked, follow_redirects=False)
+        assert (answer.status_code, answer.headers["location"]) == (307, there)
+        assert client.get(asked).status_code == 200
+
+
+def test_a_browser_that_asks_for_what_there_is_not_gets_a_page(client: TestClient) -> None:
+    answer = client.get("/no<b>", headers={"accept": "text/html,*/*"})
+    assert answer.status_code == 404 and answer.headers["content-type"].startswith("text/html")
+    assert "there is nothing at /no&lt;b&gt;" in answer.text

@@ -52,6 +52,8 @@ def test_a_run_is_begun_listed_followed_and_read(running: tuple[TestClient, RunJ
     assert state["state"] == "completed", state
     assert state["result"]["ticks"] == 100 and len(state["result"]["state_hash"]) == 16
     assert [entry["id"] for entry in client.get("/api/v1/runs").json()] == [run_id]
+    told_apart = {key: state["result"][key] for key in ("robot", "planner", "mode", "seed")}
+    assert told_apart == {"robot": "titan3", "planner": "crab", "mode": "predictive", "seed": 3}
     summary = client.get(f"/api/v1/runs/{run_id}/run.json").json()
     assert summary["scenario"]["seed"] == 3
     for name in ("ticks.npz", "steps.jsonl", "terrain.npz"):

@@ -15,12 +15,9 @@ from walking_console.planner.types import Command
 from walking_console.web.scene.overlays import (
     PATH_LENGTH,
     PATH_PIECES,
-    SHADOW_CORNERS,
-    SUN,
     NamesOverlay,
     PathOverlay,
     ReachOverlay,
-    ShadowOverlay,
     StabilityOverlay,
     margin_colour,
     path_ahead,
@@ -153,16 +150,16 @@ def test_a_machine_on_no_foot_has_a_polygon_of_nothing(
     assert changes["/world/stability/fill", "color"] == for_scene(BAD)
 
 
-def test_the_shadow_lies_on_the_ground_under_torso_and_feet(
+def test_a_polygon_with_little_margin_is_dashed_for_those_who_do_not_see_its_colour(
     server: viser.ViserServer, terrain: TerrainTiles
 ) -> None:
-    overlay = ShadowOverlay(server, standing().machine)
-    [(_, _, vertices)] = overlay.changes(standing(), terrain)
-    rings = vertices.reshape(-1, SHADOW_CORNERS, 3)
-    middles = rings.mean(axis=1)
-    assert middles[0, :2] == pytest.approx(SUN, abs=1e-6)
-    assert middles[-4:, :2] == pytest.approx(np.array(standing().feet)[:, :2], abs=1e-6)
-    assert 0.0 < vertices[:, 2].min() and vertices[:, 2].max() < 0.03
+    overlay = StabilityOverlay(server, standing().machine)
+    pieces = []
+    for margin in (2 * MARGIN_GOOD, MARGIN_GOOD / 2):
+        shown = replace(standing(), polygon_margin=margin)
+        changes = {(h.name, name): v for h, name, v in overlay.changes(shown, terrain)}
+        pieces.append(len(changes["/world/stability/outline", "points"]))
+    assert pieces[1] == pieces[0] / 2
 
 
 def test_points_are_turned_counter_clockwise() -> None:

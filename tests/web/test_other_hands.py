@@ -1,0 +1,153 @@
+"""The other hands: a second stick for fingers, a gamepad, a course in figures."""
+
+import json
+import math
+
+import pytest
+from playwright.sync_api import Page
+
+from tests.web.browsing import IN_A_BROWSER, Fingers, Visit, now, until
+
+pytestmark = IN_A_BROWSER
+
+PAD = """
+const pad = { id: "pad", index: 0, connected: true, mapping: "standard", timestamp: 0,
+  axes: [0, 0, 0, 0], buttons: Array.from({ length: 17 }, () => ({ pressed: false, value: 0 })) };
+window.pads = [null, null];
+navigator.getGamepads = () => window.pads;
+window.plug = (more) => { window.pads = [{ ...pad, ...more }]; };
+window.unplug = () => { window.pads = [null]; };
+"""
+
+
+def plug(page: Page, *axes: float, button: int | None = None, **more: object) -> None:
+    """A pad with its sticks so, and a button down."""
+    buttons = [{"pressed": number == button, "value": 0} for number in range(17)]
+    pad = {"axes": [*axes, 0, 0, 0, 0][:4], "buttons": buttons, **more}
+    page.evaluate(f"plug({json.dumps(pad)})")
+
+
+@pytest.fixture
+def padded(visit: Visit) -> Page:
+    """A page of a browser with a gamepad, at rest."""
+    page = visit()
+    page.evaluate(PAD)
+    plug(page)
+    until(page, lambda: "gamepad" in page.inner_text("#toast"))
+    page.wait_for_timeout(300)
+    return page
+
+
+def push_until(page: Page, address: str, *axes: float) -> None:
+    """Push the sticks of a pad until it walks; anew where the page had to let go."""
+
+    def walks_or_is_pushed_anew() -> bool:
+        plug(page)
+        page.wait_for_timeout(150)
+        plug(page, *axes)
+        page.wait_for_timeout(1200)
+        return bool(now(address)["walked_m_s"] > 0.0)
+
+    until(page, walks_or_is_pushed_anew)
+
+
+def stands(address: str) -> bool:
+    seen = now(address)
+    return bool(seen["speed_m_s"] == 0.0 and seen["turn_rate_rad_s"] == 0.0)
+
+
+def test_a_gamepad_drives_the_way_its_stick_points_and_stops_as_it_is_let_go(
+    address: str, padded: Page
+) -> None:
+    push_until(padded, address, -1.0, 0.0)
+    assert now(address)["crab_angle_rad"] == pytest.approx(math.pi / 2, abs=0.05)
+    plug(padded)
+    until(padded, lambda: stands(address))
+
+
+def test_the_right_stick_of_a_gamepad_turns_to_its_side(address: str, padded: Page) -> None:
+    plug(padded, 0.0, 0.0, -1.0)
+    until(padded, lambda: now(address)["turn_rate_rad_s"] > 0.1 or _anew(padded, 0.0, 0.0, -1.0))
+    plug(padded)
+    until(padded, lambda: stands(address))
+
+
+def _anew(page: Page, *axes: float) -> bool:
+    plug(page)
+    page.wait_for_timeout(150)
+    plug(page, *axes)
+    page.wait_for_timeout(600)
+    return False
+
+
+def test_a_worn_stick_within_its_dead_zone_moves_nothing(address: str, padded: Page) -> None:
+    plug(padded, 0.1, -0.1, 0.14)
+    padded.wait_for_timeout(800)
+    assert stands(address) and now(address)["distance_m"] == 0.0
+
+
+def test_a_pad_that_vanishes_stops_the_machine_and_moves_nothing_when_it_comes_back_held(
+    address: str, padded: Page
+) -> None:
+    push_until(padded, address, 0.0, -1.0)
+    padded.evaluate("unplug()")
+    until(padded, lambda: stands(address))
+    assert "has gone" in padded.inner_text("#toast")
+    plug(padded, 0.0, -1.0)
+    padded.wait_for_timeout(1000)
+    assert stands(address)
+    push_until(padded, address, 0.0, -1.0)
+    plug(padded)
+
+
+def test_a_button_of_the_pad_stops(address: str, padded: Page) -> None:
+    push_until(padded, address, 0.0, -1.0)
+    plug(padded, 0.0, -1.0, button=1)
+    until(padded, lambda: now(address)["stopped"])
+
+
+def test_a_pad_of_another_mapping_is_left_alone(address: str, visit: Visit) -> None:
+    page = visit()
+    page.evaluate(PAD)
+    plug(page, 0.0, -1.0, mapping="")
+    page.wait_for_timeout(800)
+    assert stands(address) and not page.locator("#toast").is_visible()
+
+
+def test_a_second_stick_turns_while_the_first_goes(
+    address: str, phone: Page, fingers: Fingers
+) -> None:
+    x, y = fingers.middle("#turn-stick")
+    fingers.press(1, x, y)
+    fingers.move(1, x - 40, y)
+    until(phone, lambda: now(address)["turn_rate_rad_s"] > 0.0)
+    assert now(address)["speed_m_s"] > 0.0
+    fingers.lift(1)
+    until(phone, lambda: now(address)["turn_rate_rad_s"] == 0.0)
+    assert phone.locator("#turn-stick.held").count() == 0
+
+
+def test_a_course_in_figures_is_walked_while_its_button_is_held(address: str, visit: Visit) -> None:
+    page = visit(1440, 900)
+    page.click("#exact summary")
+    page.fill("#course-angle", "-37")
+    page.fill("#course-speed", "0.07")
+    box = page.locator("#course-go").bounding_box()
+    assert box is not None
+
+    def holds() -> bool:
+        page.mouse.up()
+        page.mouse.move(box["x"] + 20, box["y"] + 10)
+        page.mouse.down()
+        page.wait_for_timeout(800)
+        return bool(now(address)["speed_m_s"] == pytest.approx(0.07))
+
+    until(page, holds)
+    assert now(address)["crab_angle_rad"] == pytest.approx(math.radians(-37), abs=1e-6)
+    page.mouse.up()
+    until(page, lambda: stands(address))
+    page.fill("#course-speed", "9")
+    page.mouse.down()
+    page.wait_for_timeout(500)
+    assert stands(address)
+    page.mouse.up()
