@@ -415,9 +415,9 @@ PACE_DRAWING = """
 
 MAKE_NO_CODE = """
 (() => {
-  // Part of the client, of which nothing here is drawn, makes functions from text as it loads. The
-  // content policy refuses that: they do nothing instead of ending in an error.
-  window.Function = new Proxy(window.Function, { apply: () => () => undefined });
+  // Part of the client, by which nothing here is drawn, makes functions from text as it loads: a
+  // text that makes one. The content policy refuses that: they do nothing instead of failing.
+  window.Function = new Proxy(window.Function, { apply: () => () => () => undefined });
 })();
 """
 

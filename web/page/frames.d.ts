@@ -210,6 +210,7 @@ export interface Saved {
   speed?: string;
   strips?: boolean;
   light?: boolean;
+  camera?: string;
   tab?: string;
   brush?: string;
   decision?: boolean;

@@ -181,6 +181,7 @@ const SHORTCUTS = {
   KeyR: () => lease.stopped && stopOrRelease(),
   KeyO: () => world.gallery.open(),
   KeyC: () => scene.home(),
+  KeyK: () => viewMenu.nextCamera(),
   KeyV: () => viewMenu.toggle(),
   KeyB: () => brushes.toggle(),
   KeyG: () => postures.levelOrFollow(),

@@ -3,11 +3,13 @@
 /** @import {TimeSeries} from "./time_series.js" */
 /** @import {ViserFrame} from "./viser_frame.js" */
 
-import { button, div, input } from "./dom.js";
+import { button, buttons, div, input, mark } from "./dom.js";
 import { onPress } from "./press.js";
 import { keep, saved } from "./settings.js";
 
 const ROOMY = "(min-width: 700px) and (min-height: 521px)"; // where the strips are shown at first
+
+const FIRST = "follow";
 
 export class ViewMenu {
   /**
@@ -25,8 +27,26 @@ export class ViewMenu {
     for (const box of document.querySelectorAll("[data-layer]")) {
       if (box instanceof HTMLInputElement) this.#wireLayer(box);
     }
+    this.cameras = buttons("#cameras button");
+    for (const one of this.cameras) onPress(one, () => this.#takeCamera(one.dataset.camera ?? FIRST));
+    this.#takeCamera(saved.camera ?? FIRST);
     this.#wireStrips();
     this.#wireTheme();
+  }
+
+  /** @param {string} camera */
+  #takeCamera(camera) {
+    this.camera = camera;
+    keep({ camera });
+    mark(this.cameras, "camera", camera, "aria-checked");
+    for (const { dataset } of this.cameras) {
+      this.scene.set(`Camera ${dataset.camera}`, dataset.camera === camera);
+    }
+  }
+
+  nextCamera() {
+    const at = this.cameras.findIndex((one) => one.dataset.camera === this.camera);
+    this.#takeCamera(this.cameras[(at + 1) % this.cameras.length].dataset.camera ?? FIRST);
   }
 
   get isOpen() {

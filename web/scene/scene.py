@@ -82,11 +82,11 @@ class Scene:
         with self.server.atomic():
             for handle, name, value in changes:
                 setattr(handle, name, value)
-        x, y, z = snapshot.body[:3]
+        x, y, z, _, _, yaw = snapshot.body
         if self._follows:
             self._stage.position = (-x, -y, -z)
         for viewer in following:
-            viewer.move((-x, -y, -z))
+            viewer.follow(x, y, z, yaw)
         self.server.flush()
 
     def _changes(self, snapshot: Snapshot) -> list[Change]:

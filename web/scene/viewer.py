@@ -1,4 +1,4 @@
-"""One viewer: whether its camera follows the machine, which layers it sees, the brush in its hand.
+"""One viewer: how its camera goes with the machine, which layers it sees, the brush in its hand.
 
 The page works these switches from its own menu, by their labels.
 """
@@ -6,12 +6,12 @@ The page works these switches from its own menu, by their labels.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import viser
 
-from walking_console.planner.types import Point
+from walking_console.planner.geometry.transforms import direction, turned, turned_back
 
 from .sky import DAY, DUSK, hang
 from .types import Floats
@@ -20,6 +20,27 @@ from .types import Floats
 CAMERA = np.array((-2.1, -2.5, 1.15))
 LOOK_AT = np.array((0.15, 0.0, -0.40))
 UP = (0.0, 0.0, 1.0)
+
+
+class Shot(NamedTuple):
+    """How a camera goes with the machine. It stays the viewer's to orbit: the world moves and turns
+    under it.
+    """
+
+    follows: bool
+    turns: bool  # as the machine does
+    camera: Floats  # m, where it is at first, from the machine's centre of gravity
+
+
+SHOTS = {
+    "follow": Shot(follows=True, turns=False, camera=CAMERA),
+    "chase": Shot(follows=True, turns=True, camera=np.array((-3.0, 0.0, 1.15))),
+    "top": Shot(follows=True, turns=False, camera=np.array((0.11, 0.0, 3.3))),
+    "side": Shot(follows=True, turns=True, camera=np.array((0.15, -3.1, 0.1))),
+    "free": Shot(follows=False, turns=False, camera=CAMERA),
+}
+FIRST_SHOT = "follow"
+LOOKS_EVERY = 10  # steps of the machine between looks whether a hill has come over the camera
 SIZE = 0.654  # m, of the machine they are for; others are looked at from as many of their sizes
 NARROW = 1.25  # aspect below which the camera steps back, so that the legs stay in the picture
 FARTHEST = 2.2  # times the first distance; more: the machine is a speck on a phone
@@ -54,7 +75,9 @@ class Viewer:
         self.ground_at = ground_at
         self.brush = ""
         self.radius = BRUSH
-        self.follows = True
+        self.shot = SHOTS[FIRST_SHOT]
+        self.turn = 0.0  # rad, of the world under the camera
+        self._moves = 0
         self.scale = 1.0  # of the first look
         self.world = client.scene.add_frame("/world", show_axes=False)
         self.layers: dict[str, viser.FrameHandle] = {}
@@ -65,7 +88,9 @@ class Viewer:
 
     def _add_switches(self) -> None:
         gui = self.client.gui
-        gui.add_checkbox("Follow", True).on_update(self._follow)
+        for name in SHOTS:
+            chosen = gui.add_checkbox(f"Camera {name}", name == FIRST_SHOT)
+            chosen.on_update(self._shot_switch(name))
         for label in LAYERS:
             shown = label not in HIDDEN_AT_FIRST
             gui.add_checkbox(label, shown).on_update(self._layer_switch(label))
@@ -77,8 +102,19 @@ class Viewer:
         gui.add_checkbox("Wide brush", False).on_update(self._widen)
         gui.add_button("Home").on_click(lambda _: self.go_home())
 
-    def _follow(self, event: Any) -> None:
-        self.follows = bool(event.target.value)
+    @property
+    def follows(self) -> bool:
+        """Whether the machine stays before the camera."""
+        return self.shot.follows
+
+    def _shot_switch(self, name: str) -> Callable[[Any], None]:
+        def take(event: Any) -> None:
+            if event.target.value:
+                self.shot = SHOTS[name]
+                if self.follows:
+                    self.go_home()
+
+        return take
 
     def _change_sky(self, event: Any) -> None:
         hang(self.client.scene, DAY if event.target.value else DUSK)
@@ -114,14 +150,22 @@ class Viewer:
 
     def _click(self, event: viser.SceneClickEvent) -> None:
         if self.brush:
-            origin = np.array(event.ray_origin) - self.world.position
-            self.paint(self.brush, origin, np.array(event.ray_direction), self.radius)
+            ray = np.array(event.ray_direction)
+            moved = np.array(event.ray_origin) - self.world.position
+            self.paint(self.brush, self._unturned(moved), self._unturned(ray), self.radius)
+
+    def _unturned(self, vector: Floats) -> Floats:
+        """A vector before the camera in the world's axes."""
+        x, y, z = (float(value) for value in vector)
+        return np.array((*turned_back(x, y, self.turn), z))
 
     def go_home(self) -> None:
-        """Bring the camera back to its first look, farther off in a narrow window."""
+        """Bring the camera back to the first look of its kind, farther off in a narrow window."""
         away = min(max(1.0, NARROW / self.client.camera.aspect), FARTHEST)
         with self.client.atomic():
-            self.client.camera.position = self.scale * (LOOK_AT + away * (CAMERA - LOOK_AT))
+            self.client.camera.position = self.scale * (
+                LOOK_AT + away * (self.shot.camera - LOOK_AT)
+            )
             self.client.camera.look_at = self.scale * LOOK_AT
             self.client.camera.up_direction = UP
 
@@ -136,14 +180,23 @@ class Viewer:
         """Lift a camera that was dragged under the ground; what it looks at stays."""
         camera = self.client.camera
         x, y, z = (float(value) for value in camera.position)
-        east, north, up = (float(value) for value in self.world.position)
-        lowest = self.ground_at(x - east, y - north) + up + CLEARANCE
+        up = float(self.world.position[2])
+        below = self._unturned(np.array(camera.position) - self.world.position)
+        lowest = self.ground_at(float(below[0]), float(below[1])) + up + CLEARANCE
         if z < lowest:
             looked_at = camera.look_at
             with self.client.atomic():
                 camera.position = (x, y, lowest)
                 camera.look_at = looked_at
 
-    def move(self, position: Point) -> None:
-        """Move the world under a camera that follows."""
-        self.world.position = position
+    def follow(self, x: float, y: float, z: float, yaw: float) -> None:
+        """Bring the world under the camera so that a machine at x, y, z (m), heading ``yaw`` (rad),
+        stays before it.
+        """
+        self.turn = -yaw if self.shot.turns else 0.0
+        c, s = direction(self.turn / 2)
+        self.world.wxyz = (c, 0.0, 0.0, s)
+        self.world.position = (*turned(-x, -y, self.turn), -z)
+        self._moves += 1
+        if self._moves % LOOKS_EVERY == 0:
+            self.rise_above_ground()

@@ -1,5 +1,6 @@
 """One viewer: its switches change its own view, and a brush in its hand paints where it clicks."""
 
+import math
 from types import SimpleNamespace
 from typing import Any
 
@@ -12,10 +13,13 @@ from walking_console.web.scene.viewer import (
     BRUSH,
     BRUSHES,
     CAMERA,
+    CLEARANCE,
     FARTHEST,
     HIDDEN_AT_FIRST,
     LAYERS,
     LOOK_AT,
+    LOOKS_EVERY,
+    SHOTS,
     SIZE,
     WIDE_BRUSH,
     Viewer,
@@ -94,10 +98,43 @@ def test_a_layer_is_switched_off_and_on_by_its_label(viewer: Viewer, label: str)
     assert viewer.layers[label].visible
 
 
-def test_a_viewer_follows_until_it_is_told_not_to(viewer: Viewer) -> None:
+def test_a_viewer_follows_until_it_is_free(viewer: Viewer) -> None:
     assert viewer.follows
-    switch(viewer, "Follow", False)
+    viewer.client.camera.position = np.array((5.0, 5.0, 5.0))
+    switch(viewer, "Camera free", True)
     assert not viewer.follows
+    assert viewer.client.camera.position == pytest.approx((5.0, 5.0, 5.0))  # nobody takes it
+
+
+@pytest.mark.parametrize("name", [name for name in SHOTS if SHOTS[name].follows])
+def test_a_camera_of_another_kind_takes_its_place_in_sizes_of_the_machine(
+    viewer: Viewer, name: str
+) -> None:
+    viewer.look_at_machine(SIZE / 2)
+    switch(viewer, f"Camera {name}", True)
+    assert viewer.client.camera.position == pytest.approx(SHOTS[name].camera / 2)
+    assert viewer.client.camera.look_at == pytest.approx(LOOK_AT / 2)
+
+
+@pytest.mark.parametrize(("name", "turned"), [("chase", True), ("side", True), ("top", False)])
+def test_the_world_turns_under_cameras_that_turn_with_the_machine(
+    viewer: Viewer, touches: list[Touch], name: str, turned: bool
+) -> None:
+    switch(viewer, f"Camera {name}", True)
+    viewer.follow(1.0, 0.0, 0.5, math.pi / 2)
+    assert viewer.world.position == pytest.approx((0.0, 1.0, -0.5) if turned else (-1, 0, -0.5))
+    switch(viewer, "Paint dig", True)
+    click(viewer)  # through (1, 2) before the camera
+    [(_, origin, _, _)] = touches
+    assert origin == pytest.approx((-1.0, 1.0, 3.5) if turned else (2.0, 2.0, 3.5))
+
+
+def test_a_hill_that_comes_over_a_camera_lifts_it(viewer: Viewer) -> None:
+    viewer.client.camera.position = np.array((2.0, 0.0, 0.0))
+    viewer.client.camera.look_at = np.array((0.0, 0.0, -0.4))
+    for _ in range(LOOKS_EVERY):
+        viewer.follow(8.0, 0.0, 1.6, 0.0)  # the ground is 0.2 x high in the world
+    assert viewer.client.camera.position == pytest.approx((2.0, 0.0, 2.0 - 1.6 + CLEARANCE))
 
 
 def test_a_light_page_has_a_sky_of_its_own(viewer: Viewer, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -111,7 +148,7 @@ def test_a_light_page_has_a_sky_of_its_own(viewer: Viewer, monkeypatch: pytest.M
 
 
 def test_the_world_moves_under_a_camera_that_follows(viewer: Viewer) -> None:
-    viewer.move((-1.0, 0.5, 0.0))
+    viewer.follow(1.0, -0.5, 0.0, 0.3)
     assert tuple(viewer.world.position) == (-1.0, 0.5, 0.0)
 
 
@@ -119,7 +156,7 @@ def test_the_world_moves_under_a_camera_that_follows(viewer: Viewer) -> None:
 def test_a_camera_dragged_under_the_ground_rises_above_it_and_looks_where_it_did(
     viewer: Viewer, z: float, shown: float
 ) -> None:
-    viewer.move((-1.0, 0.0, 0.15))  # the ground is 0.2 x high in the world
+    viewer.follow(1.0, 0.0, -0.15, 0.0)  # the ground is 0.2 x high in the world
     viewer.client.camera.position = np.array((2.0, 0.0, z))
     viewer.client.camera.look_at = np.array((0.0, 0.0, -0.4))
     viewer.client.updates[0](None)  # type: ignore[attr-defined]
@@ -131,7 +168,7 @@ def test_a_camera_dragged_under_the_ground_rises_above_it_and_looks_where_it_did
 def test_a_click_paints_with_the_brush_in_hand_where_the_world_is(
     viewer: Viewer, touches: list[Touch], brush: str
 ) -> None:
-    viewer.move((1.0, 1.0, 1.0))
+    viewer.follow(-1.0, -1.0, -1.0, 0.0)
     switch(viewer, f"Paint {brush}", True)
     click(viewer)
     [(used, origin, direction, radius)] = touches
