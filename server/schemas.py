@@ -106,6 +106,29 @@ class PushBody(Shape):
     duration_s: Annotated[float, Field(ge=TICK, le=PUSH_TIME_MAX)] = 0.1
 
 
+class RouteBody(Shape):
+    """A place to go to (absolute), and how fast."""
+
+    model_config = example(x_m=2.0, y_m=0.5, speed_m_s=0.1)
+    x_m: MapCoordinate
+    y_m: MapCoordinate
+    speed_m_s: Annotated[float, Field(gt=0.0, le=SPEED_MAX)] = 0.1
+
+
+class RouteAnswer(BaseModel):
+    """A way as it was planned ahead; `reason` says why it is not reached."""
+
+    model_config = example(
+        reachable=True, steps=14, time_s=20.4, distance_m=2.1, left_m=0.0, reason=""
+    )
+    reachable: bool
+    steps: int
+    time_s: float
+    distance_m: float
+    left_m: float = Field(description="to the place, as the crow flies")
+    reason: str
+
+
 class AdvanceBody(Shape):
     """Walk this many ticks of 20 ms while paused."""
 

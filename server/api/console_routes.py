@@ -11,8 +11,9 @@ from fastapi import APIRouter, Depends, Header
 from fastapi.responses import JSONResponse, Response
 
 from walking_console.planner import registry
-from walking_console.planner.types import TICK
+from walking_console.planner.types import TICK, Mode
 from walking_console.sim.requests import Follow, Push
+from walking_console.sim.route_preview import preview_route
 
 from ..explanation_frames import AheadFrame, DecisionFrame, ahead_frame, decision_frame
 from ..frames import PlayedFrame, SnapshotFrame, StyleFrame, style_frame
@@ -24,6 +25,8 @@ from ..schemas import (
     PostureBody,
     PushBody,
     RateBody,
+    RouteAnswer,
+    RouteBody,
     ScenarioBody,
     TerrainBody,
 )
@@ -35,6 +38,7 @@ from .terrain_edits import edit_under, packed_terrain
 ADVANCE_TIME = 20.0  # s
 KEPT_TIME = 0.05  # s an answer waits for the disk to know of a stop, which has begun already
 SWITCH_TIME = 1.0  # s for a pause to show
+PLANNING_AHEAD = asyncio.Lock()  # one at a time: each keeps a core busy
 
 router = APIRouter(prefix="/api/v1/console", tags=["console"])
 
@@ -119,6 +123,28 @@ async def push(body: PushBody, state: ConsoleState) -> dict[str, Any]:
     ticks = round(body.duration_s / TICK)
     state.loop.request(Push(body.fx_n, body.fy_n, ticks))
     return {"tick": state.loop.newest.tick, "ticks": ticks}
+
+
+@router.post("/route")
+async def route(body: RouteBody, state: ConsoleState) -> RouteAnswer:
+    """Plan ahead to a place, before anything goes there: reached or not, steps, time, or why not.
+    Nothing moves. Refused (409) on a given trace, and while the machine is not on its feet.
+    """
+    now = state.loop.newest
+    if now.given_trace:
+        raise HTTPProblem(409, "it follows its trace: free its stick first")
+    if now.mode in (Mode.TIPPING, Mode.FALLEN, Mode.SIT, Mode.SIT_DOWN):
+        raise HTTPProblem(409, "it does not stand on its feet")
+    async with PLANNING_AHEAD:
+        found = await asyncio.to_thread(preview_route, now, (body.x_m, body.y_m), body.speed_m_s)
+    return RouteAnswer(
+        reachable=found.reachable,
+        steps=found.steps,
+        time_s=found.time,
+        distance_m=found.distance,
+        left_m=found.left,
+        reason=found.reason,
+    )
 
 
 @router.post("/stop")

@@ -151,3 +151,29 @@ def test_a_course_in_figures_is_walked_while_its_button_is_held(address: str, vi
     page.wait_for_timeout(500)
     assert stands(address)
     page.mouse.up()
+
+
+def test_a_course_is_planned_before_anything_goes_and_ends_at_its_distance(
+    address: str, visit: Visit
+) -> None:
+    page = visit(1440, 900)
+    page.click("#exact summary")
+    page.fill("#course-distance", "0.3")
+    page.click("#course-ahead")
+    until(page, lambda: page.inner_text("#course-answer").startswith("Reached in about "))
+    assert now(address)["distance_m"] == 0.0
+    page.fill("#course-angle", "90")
+    page.locator("#course-go").focus()
+    page.keyboard.down("Enter")
+    until(page, lambda: page.inner_text("#course-answer") == "There." or _again(page))
+    until(page, lambda: stands(address) and now(address)["mode"] == "stand")
+    page.keyboard.up("Enter")
+    assert 0.25 < now(address)["body"][1] < 0.7
+
+
+def _again(page: Page) -> bool:
+    """Press anew where the page had to let go."""
+    if page.locator("#course-go[aria-pressed=false]").count():
+        page.keyboard.up("Enter")
+        page.keyboard.down("Enter")
+    return False

@@ -1,9 +1,13 @@
-// A course in figures: crab angle and speed from two boxes, walked while a button is held.
+// A course in figures: crab angle, speed and distance from boxes. It can be planned ahead before it
+// is walked, and it is walked while a button is held, as far as the distance says.
 
 /** @import {Joystick} from "./joystick.js" */
-/** @import {StickValue} from "./frames" */
+/** @import {Place, Route, SnapshotFrame, StickValue} from "./frames" */
 
-import { button, input } from "./dom.js";
+import { ask } from "./api.js";
+import { button, input, write } from "./dom.js";
+import { onPress } from "./press.js";
+import { sentence } from "./readouts.js";
 
 const REST = { x: 0, y: 0, turn: 0 };
 
@@ -13,7 +17,12 @@ export class ExactCourse {
     this.stick = stick;
     this.angle = input("course-angle");
     this.speed = input("course-speed");
+    this.distance = input("course-distance");
     this.button = button("course-go");
+    /** @type {SnapshotFrame | null} */
+    this.newest = null;
+    /** @type {Place} */
+    this.began = { x: 0, y: 0 }; // m, where the hold did
     /** @type {number | string | null} */
     this.holder = null; // a pointer or a key
     stick.others.push(this);
@@ -27,8 +36,47 @@ export class ExactCourse {
   /** @returns {StickValue} */
   get value() {
     if (!this.isHeld) return REST;
-    const angle = (this.angle.valueAsNumber * Math.PI) / 180;
+    const angle = this.#crabAngle();
     return { x: Math.cos(angle), y: Math.sin(angle), turn: 0, speed: this.speed.valueAsNumber };
+  }
+
+  #crabAngle() {
+    return (this.angle.valueAsNumber * Math.PI) / 180;
+  }
+
+  /** @param {SnapshotFrame} s */
+  follow(s) {
+    this.newest = s;
+    if (!this.isHeld) return;
+    const gone = Math.hypot(s.body[0] - this.began.x, s.body[1] - this.began.y);
+    if (gone < this.distance.valueAsNumber) return;
+    this.letGo();
+    this.stick.show();
+    write("course-answer", "There.");
+  }
+
+  /** Whether, in how many steps and how long, or why not: before anything moves. */
+  async #lookAhead() {
+    if (!this.newest || !this.#isFilledIn()) return;
+    const [x, y, , , , yaw] = this.newest.body;
+    const bearing = yaw + this.#crabAngle();
+    const far = this.distance.valueAsNumber;
+    write("course-answer", "Planning …");
+    try {
+      /** @type {Route} */
+      const route = await ask("POST", "console/route", {
+        x_m: x + far * Math.cos(bearing),
+        y_m: y + far * Math.sin(bearing),
+        speed_m_s: this.speed.valueAsNumber,
+      });
+      write("course-answer", answerOf(route));
+    } catch (error) {
+      write("course-answer", error instanceof Error ? error.message : String(error));
+    }
+  }
+
+  #isFilledIn() {
+    return [this.angle, this.speed, this.distance].every((box) => box.reportValidity());
   }
 
   letGo() {
@@ -37,6 +85,7 @@ export class ExactCourse {
   }
 
   #listen() {
+    onPress(button("course-ahead"), () => this.#lookAhead());
     this.button.addEventListener("pointerdown", (event) => {
       if (event.button !== 0) return;
       this.button.setPointerCapture(event.pointerId);
@@ -55,9 +104,10 @@ export class ExactCourse {
 
   /** @param {number | string} holder */
   #hold(holder) {
-    const boxes = [this.angle, this.speed];
-    if (this.isHeld || !boxes.every((box) => box.reportValidity())) return;
+    if (this.isHeld || !this.#isFilledIn()) return;
     this.holder = holder;
+    const [x, y] = this.newest?.body ?? [0, 0];
+    this.began = { x, y };
     this.button.setAttribute("aria-pressed", "true");
     this.stick.pressed();
     this.stick.show();
@@ -69,4 +119,10 @@ export class ExactCourse {
     this.letGo();
     this.stick.show();
   }
+}
+
+/** @param {Route} route */
+function answerOf({ reachable, steps, time_s, distance_m, reason }) {
+  if (reachable) return `Reached in about ${steps} steps and ${time_s.toFixed(0)} s.`;
+  return `Not reached: it ends after ${distance_m.toFixed(1)} m. ${sentence(reason)}`;
 }

@@ -197,6 +197,22 @@ export interface StickValue {
   speed?: number;
 }
 
+/** On the ground, m. */
+export interface Place {
+  x: number;
+  y: number;
+}
+
+/** A way as it was planned ahead. */
+export interface Route {
+  reachable: boolean;
+  steps: number;
+  time_s: number;
+  distance_m: number;
+  left_m: number;
+  reason: string;
+}
+
 /** How a scenario's timeline ended, and what of the expected came. */
 export interface Played {
   result: string;

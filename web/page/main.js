@@ -53,6 +53,7 @@ const scene = new ViserFrame();
 const series = new TimeSeries();
 const decisions = new DecisionPanel();
 const stick = new Joystick(drive);
+const course = new ExactCourse(stick);
 const world = new WorldControls(letGo);
 const postures = new PostureControls(pose);
 const viewMenu = new ViewMenu(scene, series);
@@ -287,13 +288,13 @@ function hearSnapshot(s) {
   showReadouts(s);
   series.add(s);
   world.show(s);
+  course.follow(s);
   postures.show(s);
   showBanner(s);
   showTab();
 }
 
 new OwnFiles(letGo);
-new ExactCourse(stick);
 new GamepadHand(stick, {
   came: () => say("A gamepad: the left stick goes, the right one turns, B stops."),
   vanished: () => {

@@ -165,7 +165,7 @@ const ARRIVED = { tone: "good", title: "Arrived", detail: "The trace ends here."
  * A reason as a sentence, with the leg by its name: "FL: no ground within reach ...".
  * @param {string} reason
  */
-function sentence(reason) {
+export function sentence(reason) {
   const named = reason.replace(/\bleg (\d+)\b/g, (_, number) => legName(Number(number)));
   const plain = named.replace(LONG_WAY, "whatever leg, shift or way back was tried");
   return `${plain[0].toUpperCase()}${plain.slice(1)}.`;

@@ -258,7 +258,7 @@ REFUSED: list[tuple[str, str, Any, str]] = [
     ("PUT", "scenario", {"name": "../../etc/passwd"}, "name"),
     ("PUT", "scenario", {"name": "flat", "scenario": {}}, "body"),
     ("PUT", "scenario", {}, "body"),
-    ("PUT", "scenario", {"name": "flat", "robot": "titan9"}, "name"),
+    ("PUT", "scenario", {"name": "flat", "robot": "titan9"}, "robot"),
     ("PUT", "scenario", {"scenario": {"robot": "/etc/passwd.toml"}}, "scenario"),
     ("PUT", "scenario", {"scenario": {"terrain": {"file": "/etc/passwd"}}}, "scenario"),
     ("PUT", "scenario", {"scenario": {"terrain": {"kind": "moon"}}}, "scenario"),
@@ -309,3 +309,20 @@ def test_no_word_that_is_not_a_number_in_range_passes_for_a_speed(
         ),
         422,
     )
+
+
+def test_a_way_is_answered_before_anything_goes(client: TestClient, loop: RealtimeLoop) -> None:
+    before = loop.newest.body
+    answer = client.post("/api/v1/console/route", json={"x_m": 0.6, "y_m": 0.0}).json()
+    assert answer["reachable"] and answer["steps"] > 1 and answer["time_s"] > 3.0
+    loop.tick()
+    assert loop.newest.body == before
+    problem_of(client.post("/api/v1/console/route", json={"x_m": 0.6}), 422)
+
+
+def test_no_way_is_planned_for_what_sits(client: TestClient, loop: RealtimeLoop) -> None:
+    client.post("/api/v1/console/posture", json={"posture": "sit"})
+    for _ in range(20):
+        loop.tick()
+    answer = client.post("/api/v1/console/route", json={"x_m": 0.6, "y_m": 0.0})
+    assert "feet" in problem_of(answer, 409)["detail"]
