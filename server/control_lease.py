@@ -26,7 +26,7 @@ from .schemas import (
     StopFrame,
     TakeFrame,
 )
-from .sessions import DEAD_MAN, LEASE_IDLE, SIT_AFTER, RestSession, Session
+from .sessions import DEAD_MAN, LEASE_IDLE, SIT_AFTER, RestSession, Session, slowed
 from .stop_latch import StopLatch
 
 REST = "rest"  # who drives while a REST command lives
@@ -166,7 +166,7 @@ class ControlLease:
         session.driven = now
         session.moving = not command.holds
         # so a frozen picture holds at the dead-man, not at twice that
-        self.loop.order(command, max(TICK, DEAD_MAN - age))
+        self.loop.order(slowed(command, age), max(TICK, DEAD_MAN - age))
 
     # postures
 

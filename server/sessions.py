@@ -6,7 +6,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+from walking_console.planner.types import Command
 
 from .lease_reasons import LeaseReason, LeaseRefusal, refusal
 from .limits import DRIVE_BURST, DRIVE_BURST_AFTER_SILENCE, DRIVE_FRAMES_PER_SECOND
@@ -16,7 +18,20 @@ DEAD_MAN = 0.5  # s: shorter stops on every hiccup of a wireless link, longer wa
 # s without a fresh frame from a pressed stick after which the machine sits down; shorter: see it
 # sit on every bad link
 SIT_AFTER = 10.0
+# s, age of the picture up to which a stick moves as far as it is pushed; from there on it moves the
+# machine less, down to nothing at the dead-man: who sees the past drives slower. Shorter: every
+# hiccup of a wireless link is felt
+FULL_SPEED_AGE = 0.25
 LEASE_IDLE = 15.0  # s without a frame after which the lease is free
+
+
+def slowed(command: Command, age: float) -> Command:
+    """The command of somebody whose picture is ``age`` s old."""
+    part = (DEAD_MAN - age) / (DEAD_MAN - FULL_SPEED_AGE)
+    if part >= 1.0:
+        return command
+    part = max(0.0, part)
+    return replace(command, speed=part * command.speed, turn_rate=part * command.turn_rate)
 
 
 class TooFast(Exception):

@@ -200,6 +200,21 @@ def test_a_frozen_picture_makes_commands_stale(stage: Stage) -> None:
     assert stage.loop.newest.command.holds
 
 
+def test_who_sees_old_pictures_drives_slower_and_never_past_the_dead_man(stage: Stage) -> None:
+    session = stage.lease.open("a")
+    stage.walk()
+    old = stage.loop.newest.tick
+    speeds = []
+    for _ in range(24):
+        stage.walk()
+        stage.press(session, echo=old)
+        speeds.append(stage.walk().speed)
+        old += 1
+    assert speeds[0] == 0.08 and speeds == sorted(speeds, reverse=True)
+    assert 0.0 < speeds[-1] < 0.02, "a picture that is older each time"
+    assert stage.press(session) == "" and stage.walk().speed == 0.08
+
+
 def test_a_tick_nobody_has_shown_is_refused(stage: Stage) -> None:
     session = stage.lease.open("a")
     assert "not been shown" in stage.press(session, echo=10_000)

@@ -2,12 +2,16 @@
 
 import pytest
 
+from walking_console.planner.types import Command
 from walking_console.server.lease_reasons import LeaseReason, LeaseRefusal
 from walking_console.server.limits import DRIVE_BURST, DRIVE_BURST_AFTER_SILENCE
 from walking_console.server.schemas import PostureFrame
 from walking_console.server.sessions import (
+    DEAD_MAN,
+    FULL_SPEED_AGE,
     Session,
     TooFast,
+    slowed,
 )
 
 
@@ -39,6 +43,14 @@ def test_after_a_silence_what_was_held_back_may_come_at_once(silence: float) -> 
 
 def picture(seq: int) -> PostureFrame:
     return PostureFrame(type="posture", seq=seq, echo_tick=7, posture="sit")
+
+
+def test_an_old_picture_moves_the_machine_less_and_one_of_a_good_link_as_far_as_asked() -> None:
+    asked = Command(0.3, 0.08, -0.2)
+    assert slowed(asked, 0.0) == slowed(asked, FULL_SPEED_AGE) == asked
+    half = slowed(asked, (FULL_SPEED_AGE + DEAD_MAN) / 2)
+    assert (half.crab_angle, half.speed, half.turn_rate) == pytest.approx((0.3, 0.04, -0.1))
+    assert slowed(asked, DEAD_MAN).holds and slowed(asked, 99.0).holds
 
 
 def test_a_number_that_is_not_higher_is_out_of_order() -> None:

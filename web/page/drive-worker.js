@@ -14,7 +14,7 @@
 const TICK = 20; // ms between looks at the clock
 const REPEAT = 40; // ms between repeats of a held command
 const SOONEST = 16; // ms between two frames: the server allows 100 a second
-const PAGE_SILENT = 500; // ms without a sign of life from the page after which the machine holds
+const PAGE_SILENT = 450; // ms without a sign of life from the page after which the machine holds
 const STUTTERS = 300; // ms between two signs of life of the page: it is busy, and may be again
 const STUTTERED = 3000; // ms after that in which a fresh press waits
 const CALM = 400; // ms without that after which what waits moves

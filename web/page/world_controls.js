@@ -12,7 +12,7 @@ const ADVANCE_TICKS = 25; // half a second
 const TWICE = 2500; // ms within which a key that loses the walk must be pressed again
 
 export class WorldControls {
-  /** @param {() => void} letGo called before another world is loaded */
+  /** @param {() => void} letGo called before another world is loaded, and before a pause */
   constructor(letGo) {
     this.letGo = letGo;
     this.gallery = new Gallery(letGo, (name, plays) => this.#begin(name, plays));
@@ -52,7 +52,9 @@ export class WorldControls {
   }
 
   pauseOrGo() {
-    return this.#post(this.newest?.paused ? "resume" : "pause");
+    if (this.newest?.paused) return this.#post("resume");
+    this.letGo(); // by the socket, which is sooner there
+    return this.#post("pause");
   }
 
   advance() {
