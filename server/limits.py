@@ -24,6 +24,9 @@ JSON_DEPTH_MAX = 32  # brackets within brackets
 NUMBER_MAX = 64  # characters of one number: a float has 24
 LOADS_AT_ONCE = 1  # worlds being made
 DRAWS_AT_ONCE = 1  # replays of runs being drawn, and curves of sweeps
+DISK_LOOKS_AT_ONCE = 4  # into the data folder
+DISK_TIME = 5.0  # s one may take
+TEXT_FILE_MAX = 4 * 1024 * 1024  # bytes that are read of a text file there
 DRAWINGS_ASKED_MAX = 8  # requests that wait for one
 
 # WebSockets

@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from .child_process import start_child
+from .disk_reads import DiskReads, plain_text
 from .job_queue import WAITING_MAX, Job, JobQueue
 from .toml_text import toml
 
@@ -70,7 +71,7 @@ class RunRefused(Exception):
 
 class ChildJobs:
     """What runs and sweeps share: a folder of results, a folder of what the children were given and
-    said, and their turn in a queue. Used from the web loop only.
+    said, and their turn in a queue. May be used from any thread.
     """
 
     word: ClassVar[str]  # what one of them is called
@@ -87,6 +88,7 @@ class ChildJobs:
         self._given = self.data / self.given
         self._jobs: dict[str, Job] = {}
         self.drawings = JobQueue(at_once=1)
+        self.disk = DiskReads()  # whoever waits in the web loop looks by it
 
     def _begin(self, name: str, words: Callable[[Path, Path], list[str]]) -> str:
         """Queue a child; ``words`` makes its arguments of its folder and of that of its results.
@@ -195,7 +197,7 @@ class ChildJobs:
             return "interrupted", "the console was ended while it ran or waited"
         if job.cancelled_at is not None:
             return "interrupted", "cancelled"
-        said = _text(self._given / job_id / "errors.txt").strip()
+        said = plain_text(self._given / job_id / "errors.txt").strip()
         last = said.rsplit("\n", 1)[-1][:REASON_SHOWN]
         status = None if job.process is None else job.process.returncode
         return "failed", last or job.fault or f"the {self.word} ended with status {status}"
@@ -254,7 +256,7 @@ class RunJobs(ChildJobs):
 
         def words(folder: Path, out: Path) -> list[str]:
             written = folder / "scenario.toml"
-            written.write_text(toml(scenario), "utf-8")
+            written.writeplain_text(toml(scenario), "utf-8")
             why = ["--trace-decisions"] if trace_decisions else []
             return ["run", str(written), "--out", str(out), "--progress-json", *why]
 
@@ -292,16 +294,9 @@ def _folders(folder: Path) -> list[str]:
         return []
 
 
-def _text(path: Path) -> str:
-    try:
-        return path.read_text("utf-8", "replace")
-    except OSError:
-        return ""
-
-
 def read_json(path: Path) -> dict[str, Any] | None:
     try:
-        data = json.loads(_text(path) or "null")
+        data = json.loads(plain_text(path) or "null")
     except ValueError:
         return None
     return data if isinstance(data, dict) else None
@@ -309,7 +304,7 @@ def read_json(path: Path) -> dict[str, Any] | None:
 
 def _last_line(path: Path) -> dict[str, Any] | None:
     """The newest whole progress line; a half-written one is not there yet."""
-    for line in reversed(_text(path).splitlines()[-2:]):
+    for line in reversed(plain_text(path).splitlines()[-2:]):
         try:
             data = json.loads(line)
         except ValueError:

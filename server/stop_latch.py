@@ -5,12 +5,16 @@ Only whether it is there counts, so a write that broke off stops all the same.
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import os
 import threading
+import time
 from pathlib import Path
 
 from .disk_thread import DiskThread
+
+LOOK_EVERY = 0.005  # s
 
 log = logging.getLogger(__name__)
 
@@ -37,9 +41,14 @@ class StopLatch:
             self._kept = self._disk.write(act, "a restart will not know of the stop")
         return True
 
-    def wait(self, seconds: float) -> bool:
-        """Until the disk knows, and whether it does; at most so long."""
-        return self._kept.wait(seconds)
+    async def wait(self, seconds: float) -> bool:
+        """Until the disk knows, and whether it does; at most so long. In the web loop, since every
+        other thread may hang in a dead disk.
+        """
+        end = time.monotonic() + seconds
+        while not self._kept.is_set() and time.monotonic() < end:
+            await asyncio.sleep(LOOK_EVERY)
+        return self._kept.is_set()
 
     def _write(self) -> None:
         assert self._file is not None

@@ -86,6 +86,8 @@ class SweepJobs(ChildJobs):
 
 def _passed(path: Path) -> list[bool] | None:
     """Of every row of a table whether its run passed; None where there is no table."""
+    if not path.is_file():  # a pipe would be waited for
+        return None
     try:
         with path.open(newline="", encoding="utf-8") as file:
             return [row.get("passed") == "1" for row in csv.DictReader(file)]

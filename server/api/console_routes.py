@@ -152,7 +152,7 @@ async def stop(state: ConsoleState) -> dict[str, Any]:
     """Stop, until `rearm`. Anybody may."""
     state.lease.stop()
     state.wake()
-    await asyncio.to_thread(state.lease.latch.wait, KEPT_TIME)
+    await state.lease.latch.wait(KEPT_TIME)
     return {"stopped": True}
 
 

@@ -26,16 +26,16 @@ class Drawings:
         """The drawing of a run or sweep that is over, None where it cannot be drawn; raises
         ``HTTPProblem`` where too many wait.
         """
-        if jobs.file(job_id, jobs.summary) is None:
+        if await jobs.disk.ask(jobs.file, job_id, jobs.summary) is None:
             return None
         if self._asked >= DRAWINGS_ASKED_MAX:
             raise HTTPProblem(429, f"{DRAWINGS_ASKED_MAX} drawings are waited for already")
         self._asked += 1
         try:
             async with self._turn:
-                if jobs.file(job_id, jobs.drawing) is None:
+                if await jobs.disk.ask(jobs.file, job_id, jobs.drawing) is None:
                     await asyncio.to_thread(jobs.draw, job_id, DRAW_TIME)
-                return jobs.file(job_id, jobs.drawing)
+                return await jobs.disk.ask(jobs.file, job_id, jobs.drawing)
         finally:
             self._asked -= 1
 

@@ -12,6 +12,7 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import Response
 from starlette.exceptions import HTTPException as StarletteHTTPException
 
+from ..disk_reads import DeadDisk
 from ..problems import ERRORS_SHOWN, problem
 from ..run_jobs import RunRefused
 
@@ -46,6 +47,7 @@ def add_error_answers(app: FastAPI) -> None:
     app.add_exception_handler(RequestValidationError, _say_invalid)
     app.add_exception_handler(StarletteHTTPException, _say_refused)
     app.add_exception_handler(RunRefused, _say_not_begun)
+    app.add_exception_handler(DeadDisk, _say_dead)
     app.add_exception_handler(Exception, _say_failed)
 
 
@@ -81,6 +83,10 @@ async def _say_refused(_: Request, error: Exception) -> Response:
 async def _say_not_begun(_: Request, error: Exception) -> Response:
     assert isinstance(error, RunRefused)
     return problem(error.status, str(error))
+
+
+async def _say_dead(_: Request, error: Exception) -> Response:
+    return problem(503, str(error))
 
 
 async def _say_failed(_: Request, error: Exception) -> Response:

@@ -30,7 +30,7 @@ async def known_run(
     state: ConsoleState,
 ) -> str:
     """The id of a run there is; 404 otherwise."""
-    if not state.jobs.knows(run_id):
+    if not await state.jobs.disk.ask(state.jobs.knows, run_id):
         raise HTTPProblem(404, f"there is no run {run_id!r}")
     return run_id
 
@@ -47,29 +47,34 @@ async def start(
     """Start a scripted headless run in a process of its own."""
     scenario = await asyncio.to_thread(chosen_scenario, body, state.uploads)
     name = body.name or scenario.name
-    run_id = state.jobs.start(scenario.as_data(), name, trace_decisions=body.trace_decisions)
+    jobs = state.jobs
+
+    def begin() -> str:
+        return jobs.start(scenario.as_data(), name, trace_decisions=body.trace_decisions)
+
+    run_id = await jobs.disk.ask(begin)
     response.headers["location"] = f"{request.scope['root_path']}/api/v1/runs/{run_id}"
-    return state.jobs.state(run_id)
+    return await jobs.disk.ask(jobs.state, run_id)
 
 
 @router.get("", response_model=list[RunState])
 async def listed(state: ConsoleState, limit: NewestOnly = 100) -> list[dict[str, Any]]:
     """The newest runs by name, with progress and result."""
     jobs = state.jobs
-    return await asyncio.to_thread(lambda: [jobs.state(name) for name in jobs.ids()[-limit:]])
+    return await jobs.disk.ask(lambda: [jobs.state(name) for name in jobs.ids()[-limit:]])
 
 
 @router.get("/{run_id}", response_model=RunState)
 async def one(run_id: KnownRun, state: ConsoleState) -> dict[str, Any]:
     """Progress and result."""
-    return state.jobs.state(run_id)
+    return await state.jobs.disk.ask(state.jobs.state, run_id)
 
 
 @router.delete("/{run_id}", status_code=202, response_model=RunState)
 async def cancel(run_id: KnownRun, state: ConsoleState) -> dict[str, Any]:
     """Cancel a run; one that is over stays as it is."""
     state.jobs.cancel(run_id)
-    return state.jobs.state(run_id)
+    return await state.jobs.disk.ask(state.jobs.state, run_id)
 
 
 @router.get("/{run_id}/{name}", response_class=FileResponse)
@@ -80,7 +85,7 @@ async def file(run_id: KnownRun, name: FileName, state: ConsoleState) -> FileRes
     if name not in FILES:
         there_are = f"a run has no {name!r}; there are: {', '.join(FILES)}"
         raise HTTPProblem(404, there_are, field="name", value=name, limit=list(FILES))
-    path = state.jobs.file(run_id, name)
+    path = await state.jobs.disk.ask(state.jobs.file, run_id, name)
     if path is None and name == REPLAY:
         path = await state.drawings.drawing_of(state.jobs, run_id)
     if path is None:

@@ -27,7 +27,7 @@ async def known_sweep(
     state: ConsoleState,
 ) -> str:
     """The id of a sweep there is; 404 otherwise."""
-    if not state.sweeps.knows(sweep_id):
+    if not await state.sweeps.disk.ask(state.sweeps.knows, sweep_id):
         raise HTTPProblem(404, f"there is no sweep {sweep_id!r}")
     return sweep_id
 
@@ -41,29 +41,29 @@ async def start(
 ) -> dict[str, Any]:
     """Walk every combination of settings for every seed, in processes of their own."""
     order = await asyncio.to_thread(sweep_order, body, state.uploads)
-    sweep_id = state.sweeps.start(order)
+    sweep_id = await state.sweeps.disk.ask(state.sweeps.start, order)
     response.headers["location"] = f"{request.scope['root_path']}/api/v1/sweeps/{sweep_id}"
-    return state.sweeps.state(sweep_id)
+    return await state.sweeps.disk.ask(state.sweeps.state, sweep_id)
 
 
 @router.get("", response_model=list[SweepState])
 async def listed(state: ConsoleState, limit: NewestOnly = 100) -> list[dict[str, Any]]:
     """The newest sweeps by name, with progress and result."""
     sweeps = state.sweeps
-    return await asyncio.to_thread(lambda: [sweeps.state(name) for name in sweeps.ids()[-limit:]])
+    return await sweeps.disk.ask(lambda: [sweeps.state(name) for name in sweeps.ids()[-limit:]])
 
 
 @router.get("/{sweep_id}", response_model=SweepState)
 async def one(sweep_id: KnownSweep, state: ConsoleState) -> dict[str, Any]:
     """Progress and result."""
-    return await asyncio.to_thread(state.sweeps.state, sweep_id)
+    return await state.sweeps.disk.ask(state.sweeps.state, sweep_id)
 
 
 @router.delete("/{sweep_id}", status_code=202, response_model=SweepState)
 async def cancel(sweep_id: KnownSweep, state: ConsoleState) -> dict[str, Any]:
     """Cancel a sweep; what was walked stays in its table."""
     state.sweeps.cancel(sweep_id)
-    return await asyncio.to_thread(state.sweeps.state, sweep_id)
+    return await state.sweeps.disk.ask(state.sweeps.state, sweep_id)
 
 
 @router.get("/{sweep_id}/{name}", response_class=FileResponse)
@@ -72,7 +72,7 @@ async def file(sweep_id: KnownSweep, name: FileName, state: ConsoleState) -> Fil
     if name not in SWEEP_FILES:
         there_are = f"a sweep has no {name!r}; there are: {', '.join(SWEEP_FILES)}"
         raise HTTPProblem(404, there_are, field="name", value=name, limit=list(SWEEP_FILES))
-    path = state.sweeps.file(sweep_id, name)
+    path = await state.sweeps.disk.ask(state.sweeps.file, sweep_id, name)
     if path is None and name == CURVE:
         path = await state.drawings.drawing_of(state.sweeps, sweep_id)
     if path is None:

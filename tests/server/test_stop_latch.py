@@ -1,5 +1,6 @@
 """A stop outlives the console, whatever the disk does."""
 
+import asyncio
 import os
 from pathlib import Path
 
@@ -10,7 +11,7 @@ from walking_console.server.stop_latch import StopLatch
 
 def set_and_kept(latch: StopLatch, stopped: bool) -> None:
     latch.set(stopped)
-    assert latch.wait(10.0)
+    assert asyncio.run(latch.wait(10.0))
 
 
 def test_a_stop_is_found_again_until_it_is_released(tmp_path: Path) -> None:
@@ -29,7 +30,7 @@ def test_the_last_of_many_is_what_is_kept(tmp_path: Path) -> None:
     for number in range(51):
         assert latch.set(number % 2 == 0)
     assert not latch.set(True)
-    assert latch.wait(10.0)
+    assert asyncio.run(latch.wait(10.0))
     assert StopLatch(tmp_path / "stopped").is_set
 
 
@@ -46,7 +47,7 @@ def test_a_disk_that_cannot_be_written_stops_and_is_said(
     latch = StopLatch(tmp_path / "data" / "stopped")
     latch.set(True)
     latch.set(False)
-    assert not latch.wait(0.5) and not latch.is_set
+    assert not asyncio.run(latch.wait(0.5)) and not latch.is_set
     assert "a restart will not know of the stop" in caplog.text
 
 

@@ -1,8 +1,10 @@
 """Scripted runs over HTTP: begun in a process of their own, followed, read, cancelled."""
 
 import json
+import os
 from collections.abc import Iterator
 from pathlib import Path
+from threading import Event
 from typing import Any
 
 import pytest
@@ -11,6 +13,7 @@ from fastapi.testclient import TestClient
 from walking_console.server import child_process, job_queue, run_jobs
 from walking_console.server.api.app import create_app
 from walking_console.server.api.state import AppSettings
+from walking_console.server.disk_reads import DiskReads
 from walking_console.server.job_queue import AT_ONCE
 from walking_console.server.realtime_loop import RealtimeLoop
 from walking_console.server.run_jobs import RunJobs
@@ -199,3 +202,32 @@ def test_without_room_no_run_begins(
     client, _ = running
     monkeypatch.setattr(run_jobs, "SPACE_MIN", 1e18)
     assert client.post("/api/v1/runs", json={"name": "flat"}).status_code == 507
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no pipes with names here")
+def test_a_pipe_in_place_of_a_file_keeps_nobody_waiting(
+    running: tuple[TestClient, RunJobs], tmp_path: Path
+) -> None:
+    client, _ = running
+    for folder, names in (("runs", ["run.json"]), ("jobs", ["progress.jsonl", "errors.txt"])):
+        (tmp_path / folder / "odd-0001").mkdir(parents=True)
+        for name in names:
+            os.mkfifo(tmp_path / folder / "odd-0001" / name)
+    state = client.get("/api/v1/runs/odd-0001").json()
+    assert state["state"] == "interrupted" and state["progress"] is None
+    assert client.get("/api/v1/runs/odd-0001/run.json").status_code == 404
+    assert client.post("/api/v1/console/stop").json() == {"stopped": True}
+
+
+def test_a_disk_that_does_not_answer_is_said_and_a_stop_needs_none(
+    running: tuple[TestClient, RunJobs], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    client, runs = running
+    died = Event()
+    monkeypatch.setattr(runs, "disk", DiskReads(seconds=0.1))
+    monkeypatch.setattr(runs, "ids", lambda: died.wait(20.0))
+    for _ in range(8):
+        assert client.get("/api/v1/runs").status_code == 503
+    assert client.post("/api/v1/console/stop").json() == {"stopped": True}
+    assert client.get("/").status_code == 200
+    died.set()
