@@ -20,6 +20,7 @@ from typing import IO
 
 COMMAND = (sys.executable, "-P", "-m", "walking_console")
 SECRET = "WALKING_CONSOLE_TOKEN"
+SECRETS = (SECRET, "WALKING_CONSOLE_VIEWER_TOKEN")
 PARENT = "WALKING_CONSOLE_PARENT"  # process id of the console, in a child's environment
 LOOK_EVERY = 0.5  # s between looks whether the console is still there
 PATIENCE = 2.0  # s between asking a child to end and ending it
@@ -51,7 +52,7 @@ def start_child(
 
 def _environment() -> dict[str, str]:
     """Ours, without the token and without a module path that leads to the working directory."""
-    kept = {name: value for name, value in os.environ.items() if name != SECRET}
+    kept = {name: value for name, value in os.environ.items() if name not in SECRETS}
     here = Path.cwd()
     named = kept.pop("PYTHONPATH", "").split(os.pathsep)
     folders = [Path(name).resolve() for name in named if name]

@@ -83,10 +83,17 @@ TokenOption = Annotated[
         envvar=f"{ENVIRONMENT}TOKEN",
     ),
 ]
+ViewerTokenOption = Annotated[
+    str | None,
+    typer.Option(
+        help="Secret of those who may watch and stop, but not drive; needs --token.",
+        envvar=f"{ENVIRONMENT}VIEWER_TOKEN",
+    ),
+]
 DataOption = Annotated[Path, typer.Option(help="Where runs are kept.", envvar=f"{ENVIRONMENT}DATA")]
 LanOption = Annotated[
     bool,
-    typer.Option("--lan", help="Let this network in: makes a token, prints address and QR code."),
+    typer.Option("--lan", help="Let this network in: makes tokens, prints links and a QR code."),
 ]
 AllowHostOption = Annotated[
     list[str] | None,
@@ -139,6 +146,7 @@ def serve(
     scenario: ScenarioOption = UNASKED.scenario,
     no_open: NoOpenOption = not UNASKED.open_page,
     token: TokenOption = UNASKED.token,
+    viewer_token: ViewerTokenOption = UNASKED.viewer_token,
     lan: LanOption = UNASKED.lan,
     allow_host: AllowHostOption = None,
     root_path: RootPathOption = UNASKED.root_path,
@@ -156,6 +164,7 @@ def serve(
         scenario=scenario,
         open_page=not no_open,
         token=token,
+        viewer_token=viewer_token,
         lan=lan,
         allow_host=tuple(allow_host or ()),
         root_path=root_path.rstrip("/"),

@@ -53,10 +53,10 @@ class ControlLease:
 
     # sessions
 
-    def open(self, name: str, title: str = "") -> Session:
+    def open(self, name: str, title: str = "", *, watches: bool = False) -> Session:
         """A session for a new socket; ``title`` is what others read of it."""
         now = self._now()
-        return Session(name, title or name, heard=now, counted=now)
+        return Session(name, title or name, watches=watches, heard=now, counted=now)
 
     def count(self, session: Session) -> None:
         """One more frame from a socket; raises ``TooFast``."""
@@ -102,6 +102,8 @@ class ControlLease:
     def handle(self, session: Session, frame: LeaseAct) -> LeaseRefusal | None:
         """Do what a frame asks, or say why not."""
         why: LeaseRefusal | None = None
+        if session.watches and not isinstance(frame, StopFrame):
+            return self._counted(refusal(LeaseReason.WATCHES))
         match frame:
             case DriveFrame():
                 why = self._drive(session, frame)

@@ -29,6 +29,7 @@ from .listening import (
     ServeError,
     check_names,
     check_token,
+    check_viewer_token,
     is_loopback,
     lan_address,
     listen,
@@ -56,6 +57,7 @@ def serve(options: ServeOptions) -> None:
     log_to_stderr(options.log_level)
     options = for_the_network(options) if options.lan else options
     check_token(options.host, options.token)
+    check_viewer_token(options.token, options.viewer_token)
     check_names(options.allow_host, options.root_path)
     world = first_world(options)
     # explained for the page's inspector; a tick takes no longer for it
@@ -69,7 +71,8 @@ def serve(options: ServeOptions) -> None:
     rendering = RenderLoop(loop, _scene(bridge, loop), lambda: bridge.watched)
     app = create_app(loop, app_settings(options), bridge)
     server = ConsoleServer(config_for(app), loop.hold_for_good)
-    _announce_when_ready(server, url_of(listening, options.host, options.token), options)
+    watching = url_of(listening, options.host, options.viewer_token)
+    _announce_when_ready(server, url_of(listening, options.host, options.token), watching, options)
     log.info("runs are kept in %s", options.data.absolute())
     loop.start()
     rendering.start()
@@ -96,12 +99,13 @@ def first_world(options: ServeOptions) -> World:
 
 
 def for_the_network(options: ServeOptions) -> ServeOptions:
-    """``--lan``: the address others reach this computer by, and a token unless one is given."""
+    """``--lan``: the address others reach this computer by, and tokens unless they are given."""
     unnamed = is_loopback(options.host) or options.host in ANYWHERE
     return replace(
         options,
         host=lan_address() if unnamed else options.host,
         token=options.token or secrets.token_urlsafe(32),
+        viewer_token=options.viewer_token or secrets.token_urlsafe(32),
     )
 
 
@@ -117,6 +121,7 @@ def app_settings(options: ServeOptions) -> AppSettings:
         root_path=options.root_path,
         addresses=not alone,
         token=options.token,
+        viewer_token=options.viewer_token,
         sit_after=options.sit_after,
         read_upload=read_by_child,
     )
@@ -150,17 +155,24 @@ def _quoted(text: str) -> str:
     return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
 
 
-def _announce_when_ready(server: ConsoleServer, url: str, options: ServeOptions) -> None:
-    threading.Thread(target=_announce, args=(server, url, options), daemon=True).start()
+def _announce_when_ready(
+    server: ConsoleServer, url: str, watching: str, options: ServeOptions
+) -> None:
+    words = (server, url, watching, options)
+    threading.Thread(target=_announce, args=words, daemon=True).start()
 
 
-def _announce(server: ConsoleServer, url: str, options: ServeOptions) -> None:
-    """The one line of output, once the address answers; for telephones also as a picture."""
+def _announce(server: ConsoleServer, url: str, watching: str, options: ServeOptions) -> None:
+    """The one line of output, once the address answers; for telephones also as a picture. With a
+    token for viewers a line for them, too.
+    """
     server.listening.wait()
     print(url, flush=True)
     if options.lan:
         from .qr_code import print_qr_code  # here, so that nobody else needs its library
 
         print_qr_code(url)
+    if options.viewer_token is not None:
+        print(f"to watch and stop only: {watching}", flush=True)
     if options.open_page:
         open_page(url)

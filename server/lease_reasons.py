@@ -21,6 +21,7 @@ class LeaseReason(StrEnum):
     NOT_SHOWN = "not_shown"
     STALE = "stale"
     NO_POSTURE_NOW = "no_posture_now"
+    WATCHES = "watches"
 
 
 TEXTS = {
@@ -35,6 +36,7 @@ TEXTS = {
     LeaseReason.NOT_SHOWN: "echo_tick {tick} has not been shown yet",
     LeaseReason.STALE: "stale: the picture of tick {tick} is {age:.1f} s old",
     LeaseReason.NO_POSTURE_NOW: "{why}",
+    LeaseReason.WATCHES: "this link may watch and stop, not drive",
 }
 
 

@@ -29,6 +29,12 @@ DISK_TIME = 5.0  # s one may take
 TEXT_FILE_MAX = 4 * 1024 * 1024  # bytes that are read of a text file there
 DRAWINGS_ASKED_MAX = 8  # requests that wait for one
 
+# tokens
+
+GUESSES_MAX = 10  # wrong ones from one address within GUESSES_WITHIN, after which it waits
+GUESSES_WITHIN = 60.0  # s
+ADDRESSES_KEPT = 512  # that have shown wrong ones, and as many that have shown right ones
+
 # WebSockets
 
 WRITE_BUFFER = 32 * 1024  # bytes waiting for a slow client; more, and it sees the past

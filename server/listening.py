@@ -95,6 +95,17 @@ def check_token(host: str, token: str | None) -> None:
     )
 
 
+def check_viewer_token(token: str | None, viewer: str | None) -> None:
+    """One for viewers is beside that of drivers, as long, and another; raises ``ServeError``."""
+    if viewer is None:
+        return
+    if token is None or viewer == token or not TOKEN.fullmatch(viewer):
+        raise ServeError(
+            f"--viewer-token must have at least {TOKEN_MIN} characters of A-Z a-z 0-9 . _ ~ -, "
+            "and needs a --token that is another"
+        )
+
+
 def check_names(allow_host: Iterable[str], root_path: str) -> None:
     """Names and a path that a proxy may bring; raises ``ServeError``."""
     for name in allow_host:

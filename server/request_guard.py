@@ -8,12 +8,13 @@ itself. Token, if there is one. A body: at most ``BODY_MAX``, in time. Errors le
 from __future__ import annotations
 
 import asyncio
-import hmac
 import ipaddress
 import logging
+import math
 import re
 from collections.abc import Iterable
 from http.cookies import CookieError, SimpleCookie
+from urllib.parse import parse_qs
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.responses import Response
@@ -22,6 +23,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from .json_shape import fault_of
 from .limits import BODY_MAX, BODY_TIME, UPLOAD_TIME
 from .problems import problem
+from .tokens import WATCHES, Guesses, Role, Tokens
 from .uploads import UPLOAD_MAX
 
 API = "/api/"
@@ -31,6 +33,10 @@ LOOPBACK = ("localhost", "127.0.0.1", "::1")
 SAFE_METHODS = ("GET", "HEAD", "OPTIONS")
 COOKIE = "walking-console-token"
 LOGIN = "/login"  # the one page that takes the token itself
+STOP = "/api/v1/console/stop"  # anybody who has a token may, whatever else is refused
+
+TOKEN_NEEDED = "a token is needed: open the printed address, or send 'Authorization: Bearer TOKEN'"
+WATCHING = "this link may watch and stop, not drive"
 
 SECURITY_HEADERS = {
     "x-content-type-options": "nosniff",
@@ -77,12 +83,14 @@ class RequestGuard:
         token: str | None = None,
         addresses: bool = False,
         authorities: Iterable[str] = (),
+        viewer_token: str | None = None,
     ) -> None:
         self._app = app
         own = frozenset(name.lower() for name in authorities)
         self._hosts = frozenset((*LOOPBACK, *map(str.lower, hosts), *map(host_name, own)))
         self._authorities = own
-        self._token = token
+        self._tokens = Tokens(token, viewer_token)
+        self._guesses = Guesses()
         self._addresses = addresses
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -111,23 +119,26 @@ class RequestGuard:
             why = _foreign(headers, {host.strip().lower(), *self._authorities})
             if why:
                 return problem(403, why)
-        if self._token is not None and not self._shows(self._token, headers, scope):
-            return problem(
-                401,
-                "a token is needed: open the printed address, or send "
-                "'Authorization: Bearer TOKEN'",
-            )
-        return None
+        return None if self._tokens.driver is None else self._token_refusal(scope, headers)
+
+    def _token_refusal(self, scope: Scope, headers: Headers) -> Response | None:
+        address = str((scope.get("client") or ("",))[0])
+        wait = self._guesses.wait(address)
+        if wait > 0.0 and _route(scope) != STOP:
+            said = f"too many wrong tokens from {address}: wait {math.ceil(wait)} s"
+            return problem(429, said, headers={"retry-after": str(math.ceil(wait))})
+        shown = _shown(scope, headers)
+        role = self._tokens.role_of(shown)
+        if shown:
+            self._guesses.note(address, role)
+        if role is None:
+            return problem(401, TOKEN_NEEDED)
+        if role is Role.VIEWER:
+            scope[WATCHES] = True
+        return problem(403, WATCHING) if role is Role.VIEWER and _changes(scope) else None
 
     def _answers_for(self, name: str) -> bool:
         return name in self._hosts or (self._addresses and is_address(name))
-
-    @staticmethod
-    def _shows(token: str, headers: Headers, scope: Scope) -> bool:
-        if scope["type"] == "http" and _route(scope) == LOGIN:
-            return True
-        shown = headers.get("authorization", "").removeprefix("Bearer ") or _from_cookie(headers)
-        return hmac.compare_digest(shown.encode("utf-8", "replace"), token.encode())
 
 
 def _is_guarded(scope: Scope, headers: Headers) -> bool:
@@ -137,6 +148,21 @@ def _is_guarded(scope: Scope, headers: Headers) -> bool:
     if scope["type"] == "websocket" or scope["method"] not in SAFE_METHODS:
         return True
     return _route(scope).startswith(API) and headers.get("sec-fetch-user") != "?1"
+
+
+def _changes(scope: Scope) -> bool:
+    """Whether a request changes anything, but for a stop; sockets see to it themselves."""
+    if scope["type"] == "websocket" or scope["method"] in SAFE_METHODS:
+        return False
+    return _route(scope) != STOP
+
+
+def _shown(scope: Scope, headers: Headers) -> str:
+    """The token of a request; '' where it brings none."""
+    if scope["type"] == "http" and _route(scope) == LOGIN:
+        query = parse_qs(scope["query_string"].decode("latin-1"), max_num_fields=10)
+        return query.get("token", [""])[-1]
+    return headers.get("authorization", "").removeprefix("Bearer ") or _from_cookie(headers)
 
 
 def _route(scope: Scope) -> str:

@@ -31,6 +31,7 @@ class ServeOptions:
     scenario: str | None = None  # None: the world last loaded, or FIRST_SCENARIO
     open_page: bool = True
     token: str | None = None
+    viewer_token: str | None = None  # for who may watch and stop only
     data: Path = DATA
     sit_after: float = SIT_AFTER  # s; 0: never
     log_level: LogLevel = LogLevel.WARNING

@@ -45,6 +45,7 @@ class Session:
     name: str
     title: str = ""  # for people
     sequence: int = -1
+    watches: bool = False  # it may stop, and nothing else
     centred: bool = True  # the stick as last seen
     must_centre: bool = False  # no motion before the stick has been seen at rest
     heard: float = 0.0  # s, last frame of any kind

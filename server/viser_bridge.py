@@ -40,6 +40,7 @@ from .limits import (
 )
 from .problems import problem
 from .socket_end import close
+from .tokens import WATCHES
 
 SUBPROTOCOL = f"viser-v{viser.__version__}"
 START_TIME = 20.0  # s
@@ -205,9 +206,9 @@ class Allowance:
         return self._left >= 0.0
 
 
-def may_pass(frame: bytes) -> bool:
-    """True for what a viewer may say: where its camera is, what it clicked, the value of a
-    switch.
+def may_pass(frame: bytes, *, watches: bool = False) -> bool:
+    """True for what a viewer may say: where its camera is, what it clicked, the value of a switch;
+    of one that only watches the first alone.
     """
     if len(frame) > CANVAS_FRAME_MAX:
         return False
@@ -216,6 +217,8 @@ def may_pass(frame: bytes) -> bool:
     # anything at all can be wrong with a frame; none of it may reach viser's loop
     except Exception:
         return False
+    if watches:
+        return type(message) is _messages.ViewerCameraMessage
     if isinstance(message, _messages.GuiUpdateMessage):
         return (
             isinstance(message.updates, dict)
@@ -301,6 +304,7 @@ class ViserBridge:
         code.
         """
         allowance = Allowance(asyncio.get_running_loop().time())
+        watches = WATCHES in socket.scope
         while True:
             message = await socket.receive()
             if message["type"] == "websocket.disconnect":
@@ -310,7 +314,7 @@ class ViserBridge:
             frame = message.get("bytes")
             if frame is None:
                 return 1003
-            if may_pass(frame):
+            if may_pass(frame, watches=watches):
                 self._say(stream, frame)
             else:
                 self.dropped += 1

@@ -83,6 +83,7 @@ def create_app(
         RequestGuard,
         hosts=settings.hosts,
         token=settings.token,
+        viewer_token=settings.viewer_token,
         addresses=settings.addresses,
         authorities=settings.authorities,
     )

@@ -28,6 +28,7 @@ from ..problems import problem
 from ..schemas import BadFrame, PingFrame, read_frame
 from ..sessions import DEAD_MAN, TooFast
 from ..socket_end import GONE, close
+from ..tokens import WATCHES
 from .state import AppState, ConsoleState
 
 SHOW_RATE = 30.0  # Hz, snapshots to one page at most, but what a hand has done shows at once
@@ -79,7 +80,8 @@ class DriveSocket:
         self._state = state
         self._lease = state.lease
         self.name = secrets.token_hex(3)
-        self._session = state.lease.open(self.name, _title_of(socket))
+        watches = WATCHES in socket.scope
+        self._session = state.lease.open(self.name, _title_of(socket), watches=watches)
         self._refused: deque[RefusedFrame] = deque(maxlen=REFUSALS_KEPT)
         self._ping: HeardPing | None = None  # the newest, not yet answered
         self._revision = -1  # of the lease, as last said

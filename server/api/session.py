@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import secrets
 from typing import Annotated
 
 from fastapi import APIRouter, Query
 from fastapi.responses import RedirectResponse, Response
 
 from ..request_guard import COOKIE, LOGIN
+from ..tokens import Tokens
 from .errors import HTTPProblem
 from .state import ConsoleState
 
@@ -22,10 +22,10 @@ async def login(
     """The printed address: keeps the token in a cookie that no script and no other page gets,
     and goes on to the page.
     """
-    token = state.settings.token
-    if token is None or not secrets.compare_digest(shown.encode(), token.encode()):
+    tokens = Tokens(state.settings.token, state.settings.viewer_token)
+    if tokens.role_of(shown) is None:
         raise HTTPProblem(401, "this is not the token")
     answer = RedirectResponse("./", 303)
     # without a path it is that of this page: what else a proxy shows at its name does not get it
-    answer.set_cookie(COOKIE, token, httponly=True, samesite="strict", path=None)
+    answer.set_cookie(COOKIE, shown, httponly=True, samesite="strict", path=None)
     return answer

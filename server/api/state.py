@@ -51,6 +51,7 @@ class AppSettings:
     # any IP address may be the Host: for a console that listens beyond loopback
     addresses: bool = False
     token: str | None = None
+    viewer_token: str | None = None  # lets its bearer watch and stop
     sit_after: float = SIT_AFTER  # s; 0: never
     # what reads a file somebody brings; a served console has a child with limits do it
     read_upload: ReadUpload = understood

@@ -16,7 +16,7 @@ from walking_console.server.api.state import AppSettings
 from walking_console.server.child_process import (
     COMMAND,
     PARENT,
-    SECRET,
+    SECRETS,
     end_with_parent,
     start_child,
 )
@@ -76,7 +76,8 @@ def test_a_folder_named_in_full_stays_on_the_path_and_the_token_does_not_go_alon
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join((str(tmp_path), ".")))
-    monkeypatch.setenv(SECRET, "k" * 40)
+    for secret in SECRETS:
+        monkeypatch.setenv(secret, "k" * 40)
     monkeypatch.setattr(
         "walking_console.server.child_process.COMMAND",
         (sys.executable, "-c", "import os, sys; print(dict(os.environ), *sys.path, sep='\\n')"),

@@ -238,6 +238,7 @@ VARIABLES = {
     "WALKING_CONSOLE_HOST": ("host", "127.0.0.2", "--host"),
     "WALKING_CONSOLE_PORT": ("port", "4321", "--port"),
     "WALKING_CONSOLE_TOKEN": ("token", "k" * 40, "--token"),
+    "WALKING_CONSOLE_VIEWER_TOKEN": ("viewer_token", "v" * 40, "--viewer-token"),
     "WALKING_CONSOLE_DATA": ("data", "elsewhere", "--data"),
     "WALKING_CONSOLE_LOG_LEVEL": ("log_level", "info", "--log-level"),
 }

@@ -206,6 +206,7 @@ def test_for_the_network_it_listens_there_and_makes_a_token() -> None:
             made = for_the_network(ServeOptions(host=host, lan=True))
         except ServeError:
             pytest.skip("this computer is in no network")
+        assert made.viewer_token is not None and made.viewer_token != made.token
         assert made.token is not None and not is_loopback(made.host) and made.host != "0.0.0.0"
         check_token(made.host, made.token)
     given = for_the_network(ServeOptions(host="192.0.2.7", token="k" * 40, lan=True))
@@ -219,5 +220,8 @@ def test_with_lan_it_prints_an_address_with_a_token_and_a_picture_of_it(tmp_path
         assert re.fullmatch(r"http://(?!127)[\d.]+:\d+/login\?token=[\w-]{43}", url)
         assert httpx.get(url).status_code == 303
         process.send_signal(signal.SIGTERM)
-        picture, _ = process.communicate(timeout=10)
+        said, _ = process.communicate(timeout=10)
+    picture, _, watching = said.rstrip("\n").rpartition("\n")
     assert len(picture.splitlines()) > 15 and set(picture) <= set("█▀▄ \n")
+    assert re.fullmatch(r"to watch and stop only: http://.*/login\?token=[\w-]{43}", watching)
+    assert url not in watching

@@ -9,6 +9,7 @@ from walking_console.server.listening import (
     ServeError,
     check_names,
     check_token,
+    check_viewer_token,
     is_loopback,
     lan_address,
     listen,
@@ -21,6 +22,14 @@ from walking_console.server.listening import (
 def test_a_token_that_is_too_short_or_odd_is_refused(token: str) -> None:
     with pytest.raises(ServeError, match="at least 32"):
         check_token("127.0.0.1", token)
+
+
+def test_a_token_for_viewers_is_as_long_another_and_beside_that_of_drivers() -> None:
+    check_viewer_token(None, None)
+    check_viewer_token("k" * 40, "v" * 40)
+    for token, viewer in ((None, "v" * 40), ("k" * 40, "k" * 40), ("k" * 40, "v" * 31)):
+        with pytest.raises(ServeError, match="--viewer-token must"):
+            check_viewer_token(token, viewer)
 
 
 def test_a_good_token_lets_it_listen_anywhere_with_a_warning(

@@ -166,6 +166,11 @@ def test_what_a_viewer_says_passes(message: object) -> None:
     assert may_pass(PACK(message))
 
 
+def test_of_one_that_only_watches_nothing_but_its_camera_passes() -> None:
+    passed = [message["type"] for message in HARMLESS if may_pass(PACK(message), watches=True)]
+    assert set(passed) == {"ViewerCameraMessage"}
+
+
 @pytest.mark.parametrize("message", HARMFUL, ids=lambda message: str(message)[:50])
 def test_what_no_viewer_says_does_not(message: object) -> None:
     assert not may_pass(PACK(message))
