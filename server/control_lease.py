@@ -152,9 +152,7 @@ class ControlLease:
         return refusal(LeaseReason.OTHER_DRIVES, holder=self.holder_title or holder)
 
     def keeps_from_changing(self, name: str) -> LeaseRefusal | None:
-        """Why whoever goes by this name may not change the world: a page drives, and it is another.
-        REST itself goes by ``""``.
-        """
+        """Why whoever goes by this name (REST: ``""``) may not change the world: another drives."""
         holder = self.holder
         if holder in (None, REST, name):
             return None
