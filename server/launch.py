@@ -23,6 +23,7 @@ from .api.errors import HTTPProblem
 from .api.kept_world import KeptWorld
 from .api.state import WORLD, AppSettings
 from .api.terrain_edits import edit_under, painted
+from .bounded_log import OURS, BoundedHandler, LogBudget, is_of_others
 from .browser import open_page
 from .listening import (
     ANYWHERE,
@@ -128,13 +129,23 @@ def app_settings(options: ServeOptions) -> AppSettings:
 
 
 def log_to_stderr(level: LogLevel) -> None:
-    """Say what happens, from this level on, on standard error; standard output has the address."""
-    ours = logging.getLogger("walking_console")
+    """Say what happens, from this level on, on standard error; standard output has the address.
+    Libraries say what is wrong, and no more; all together within the budget of one log.
+    """
+    ours = logging.getLogger(OURS)
     if not ours.handlers:
-        shown = logging.StreamHandler(sys.stderr)
-        shown.setFormatter(logging.Formatter(LOG_FORMAT))
-        ours.addHandler(shown)
+        budget = LogBudget()
+        ours.addHandler(_on_stderr(budget))
+        others = _on_stderr(budget)
+        others.addFilter(is_of_others)
+        logging.getLogger().addHandler(others)
     ours.setLevel(level.upper())
+
+
+def _on_stderr(budget: LogBudget) -> BoundedHandler:
+    shown = BoundedHandler(sys.stderr, budget)
+    shown.setFormatter(logging.Formatter(LOG_FORMAT))
+    return shown
 
 
 def _scene(bridge: ViserBridge, loop: RealtimeLoop) -> Callable[[Snapshot], None]:

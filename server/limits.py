@@ -17,6 +17,7 @@ IDLE_TIME = 5  # s between two requests
 
 # requests
 
+HEAD_MAX = 16 * 1024  # bytes of a request line and its headers
 BODY_MAX = 1024 * 1024  # bytes
 BODY_TIME = 10.0  # s a body may take
 UPLOAD_TIME = 120.0  # s a file may take
@@ -28,6 +29,11 @@ DISK_LOOKS_AT_ONCE = 4  # into the data folder
 DISK_TIME = 5.0  # s one may take
 TEXT_FILE_MAX = 4 * 1024 * 1024  # bytes that are read of a text file there
 DRAWINGS_ASKED_MAX = 8  # requests that wait for one
+
+# the log
+
+LOG_LETTERS = 500_000  # letters within LOG_WINDOW; what is more is counted, not written
+LOG_WINDOW = 60.0  # s
 
 # tokens
 

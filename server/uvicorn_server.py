@@ -24,6 +24,7 @@ from .limits import (
     DRIVE_PING_EVERY,
     DRIVE_PING_TIME,
     FIRST_REQUEST_TIME,
+    HEAD_MAX,
     IDLE_TIME,
     PING_EVERY,
     PING_TIME,
@@ -133,8 +134,10 @@ def config_for(app: Any) -> ConsoleConfig:
         proxy_headers=False,
         server_header=False,
         access_log=False,
+        log_config=None,  # what it says goes the way of all others
         log_level="warning",
         backlog=ACCEPTED_AT_ONCE,
+        h11_max_incomplete_event_size=HEAD_MAX,
         timeout_keep_alive=IDLE_TIME,
         timeout_graceful_shutdown=GRACE,
     )

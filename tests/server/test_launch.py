@@ -105,6 +105,20 @@ def test_silent_connections_keep_nobody_out_where_descriptors_are_few(tmp_path: 
         assert httpx.get(f"{url}/api/v1/health", timeout=30.0).json()["ok"]
 
 
+def test_a_head_that_is_too_long_is_refused_and_the_next_is_answered(tmp_path: Path) -> None:
+    with served(tmp_path) as (process, url):
+        at = ("127.0.0.1", int(url.rsplit(":", 1)[1]))
+        for head in (b"x" * 200_000, b"A: b\r\n" * 50_000, b"A: " + b"b" * 200_000):
+            with socket.create_connection(at) as long, suppress(ConnectionError):
+                long.settimeout(10.0)
+                long.sendall(b"GET /api/v1/health HTTP/1.1\r\nHost: 127.0.0.1\r\n" + head)
+                answer = long.recv(65536)
+                assert answer == b"" or answer.startswith(b"HTTP/1.1 4"), answer[:100]
+        assert httpx.get(f"{url}/api/v1/health").json()["ok"]
+        process.kill()
+        assert process.stderr is not None and len(process.stderr.read()) < 10_000
+
+
 def test_a_driver_that_reads_nothing_loses_its_place(tmp_path: Path) -> None:
     with served(tmp_path) as (_, url):
         port = int(url.rsplit(":", 1)[1])
@@ -186,18 +200,22 @@ def test_what_happens_is_said_on_standard_error_from_the_chosen_level_on(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     ours = logging.getLogger("walking_console")
-    before = ours.handlers[:], ours.level
+    everybody = logging.getLogger()
+    before = ours.handlers[:], ours.level, everybody.handlers[:]
     ours.handlers.clear()
     try:
         log_to_stderr(LogLevel.INFO)
         logging.getLogger("walking_console.server.launch").info("here")
         logging.getLogger("walking_console.server.launch").debug("not here")
+        logging.getLogger("asyncio").error("there")
     finally:
-        ours.handlers[:], _ = before
+        ours.handlers[:] = before[0]
         ours.setLevel(before[1])
+        everybody.handlers[:] = before[2]
     told = capsys.readouterr()
-    assert told.out == "" and told.err.count("\n") == 1
+    assert told.out == "" and told.err.count("\n") == 2
     assert "INFO walking_console.server.launch: here" in told.err
+    assert "ERROR asyncio: there" in told.err
 
 
 def test_for_the_network_it_listens_there_and_makes_a_token() -> None:
