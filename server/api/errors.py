@@ -11,6 +11,7 @@ from fastapi import FastAPI, HTTPException, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import Response
 from starlette.exceptions import HTTPException as StarletteHTTPException
+from starlette.routing import Match
 
 from ..disk_reads import DeadDisk
 from ..problems import ERRORS_SHOWN, problem
@@ -73,9 +74,24 @@ def _fault(found: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-async def _say_refused(_: Request, error: Exception) -> Response:
+def methods_at(request: Request) -> list[str]:
+    """The methods that the document has for the path of a request; none where it has no such
+    path.
+    """
+    found: set[str] = set()
+    for route in request.app.routes:
+        documented = getattr(route, "include_in_schema", False)
+        if documented and route.matches(dict(request.scope))[0] is not Match.NONE:
+            found |= getattr(route, "methods", None) or set()
+    return sorted(found)
+
+
+async def _say_refused(request: Request, error: Exception) -> Response:
     assert isinstance(error, StarletteHTTPException)
     headers = dict(error.headers) if error.headers else None
+    if error.status_code == 405:
+        # a route knows its own method only
+        headers = {"allow": ", ".join(methods_at(request) or ["GET"])}
     errors = error.errors if isinstance(error, HTTPProblem) else ()
     return problem(error.status_code, str(error.detail), errors, headers)
 

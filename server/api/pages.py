@@ -15,7 +15,7 @@ from walking_console.planner.robot.toml_files import is_file
 from ..problems import problem
 from ..static_files import answer_with, static_file
 from ..viser_bridge import ViserBridge, clean_query
-from .errors import HTTPProblem
+from .errors import HTTPProblem, methods_at
 from .state import ConsoleState
 
 PAGE_FILES = frozenset(
@@ -148,6 +148,8 @@ async def canvas_stream(socket: WebSocket, state: ConsoleState) -> None:
 @router.get("/{path:path}")
 async def static(request: Request, path: str, state: ConsoleState) -> Response:
     """Files of the page: by suffix, and never outside its folder."""
+    if methods_at(request):
+        raise HTTPProblem(405, "this is not got")
     parts = path.removeprefix("static/").split("/")
     web = state.settings.web
     found = file_under(web if parts[0] == "vendor" else web / "page", parts)
