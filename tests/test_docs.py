@@ -43,6 +43,18 @@ def test_a_page_names_files_that_exist(page: Path) -> None:
     )
 
 
+def test_a_row_of_the_faults_is_of_a_fault_that_is_tried_by_its_command() -> None:
+    from tests.sweeps.faults.__main__ import FAULTS
+    from tests.sweeps.faults.table import PAGE, kept_rows
+
+    rows = kept_rows(PAGE.read_text("utf-8"))
+    rows.pop("fault")
+    commands = {fault.title: fault.key for fault in FAULTS}
+    assert len(rows) >= 10 and set(rows) <= set(commands)
+    for title, row in rows.items():
+        assert f"`{commands[title]} --count " in row and re.search(r"\d{4}-\d\d-\d\d", row)
+
+
 def test_the_ledger_names_tests_that_exist() -> None:
     named = re.findall(r"\btest_\w+(?:…)?", LEDGER)
     modules = {path.stem for path in (ROOT / "tests").rglob("test_*.py")}

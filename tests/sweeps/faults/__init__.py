@@ -1,0 +1,1 @@
+"""Faults of hands, links, clients and hosts, tried on a served console; kept in docs/faults.md."""
