@@ -256,7 +256,7 @@ class RunJobs(ChildJobs):
 
         def words(folder: Path, out: Path) -> list[str]:
             written = folder / "scenario.toml"
-            written.writeplain_text(toml(scenario), "utf-8")
+            written.write_text(toml(scenario), "utf-8")
             why = ["--trace-decisions"] if trace_decisions else []
             return ["run", str(written), "--out", str(out), "--progress-json", *why]
 
