@@ -11,7 +11,7 @@ from fastapi import FastAPI, HTTPException, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import Response
 from starlette.exceptions import HTTPException as StarletteHTTPException
-from starlette.routing import Match
+from starlette.routing import compile_path
 
 from ..disk_reads import DeadDisk
 from ..problems import ERRORS_SHOWN, problem
@@ -78,12 +78,10 @@ def methods_at(request: Request) -> list[str]:
     """The methods that the document has for the path of a request; none where it has no such
     path.
     """
-    found: set[str] = set()
-    for route in request.app.routes:
-        documented = getattr(route, "include_in_schema", False)
-        if documented and route.matches(dict(request.scope))[0] is not Match.NONE:
-            found |= getattr(route, "methods", None) or set()
-    return sorted(found)
+    path = request.scope["path"].removeprefix(request.scope.get("root_path", ""))
+    documented = request.app.openapi()["paths"].items()
+    entries = [entry for template, entry in documented if compile_path(template)[0].match(path)]
+    return sorted({method.upper() for entry in entries for method in entry})
 
 
 async def _say_refused(request: Request, error: Exception) -> Response:

@@ -148,7 +148,7 @@ async def canvas_stream(socket: WebSocket, state: ConsoleState) -> None:
 @router.get("/{path:path}")
 async def static(request: Request, path: str, state: ConsoleState) -> Response:
     """Files of the page: by suffix, and never outside its folder."""
-    if methods_at(request):
+    if path.startswith("api/") and methods_at(request):
         raise HTTPProblem(405, "this is not got")
     parts = path.removeprefix("static/").split("/")
     web = state.settings.web

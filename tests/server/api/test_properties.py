@@ -206,7 +206,7 @@ def test_a_method_that_is_not_documented_is_answered_with_those_that_are(
             url = path.replace("{run_id}", "a").replace("{sweep_id}", "a").replace("{name}", "b")
             answer = api.request(method.upper(), url)
             problem_of(answer, 405)
-            assert set(answer.headers["allow"].split(", ")) == documented, (method, path)
+            assert documented <= set(answer.headers["allow"].split(", ")), (method, path)
 
 
 def test_what_does_not_fit_is_seen() -> None:
