@@ -160,7 +160,11 @@ def _changes(scope: Scope) -> bool:
 def _shown(scope: Scope, headers: Headers) -> str:
     """The token of a request; '' where it brings none."""
     if scope["type"] == "http" and _route(scope) == LOGIN:
-        query = parse_qs(scope["query_string"].decode("latin-1"), max_num_fields=10)
+        text: bytes = scope["query_string"]
+        try:
+            query = parse_qs(text.decode("latin-1"), max_num_fields=10)
+        except ValueError:
+            return ""  # too many
         return query.get("token", [""])[-1]
     return headers.get("authorization", "").removeprefix("Bearer ") or _from_cookie(headers)
 
