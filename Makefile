@@ -51,7 +51,9 @@ test-pythons:
 		echo "Python $$version:"; \
 		$(MAKE) --no-print-directory VENV=.venv-$$version PYTHON=$$python .venv-$$version/.installed-for-tests || exit 1; \
 		.venv-$$version/bin/python -m tests.corpus.walks check || exit 1; \
-		.venv-$$version/bin/python -m pytest -p no:cacheprovider --ignore=tests/walks/test_corpus.py $(PYTEST_ARGS) || exit 1; \
+		.venv-$$version/bin/python -m pytest -p no:cacheprovider --ignore=tests/walks/test_corpus.py \
+			-n $(JOBS) --dist worksteal -m "not browser" $(PYTEST_ARGS) || exit 1; \
+		.venv-$$version/bin/python -m pytest -p no:cacheprovider -m browser $(PYTEST_ARGS) || [ $$? = 5 ] || exit 1; \
 	done
 
 # The scripts of the page: eslint, and their JSDoc types by tsc. Node 20 or newer with npm does it; it is needed for nothing else.
