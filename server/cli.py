@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import json
 import sys
 from pathlib import Path
 from typing import Annotated, Any
@@ -14,11 +13,11 @@ from walking_console.planner.robot.model import load_machine, machine_names
 from walking_console.sim.scenario_files import list_scenarios, load_scenario
 from walking_console.sim.terrain.generators import list_terrains
 
-from . import sweep_commands
+from . import bench_command, sweep_commands
 from .child_process import end_with_parent
-from .command_groups import DefaultCommand, one_clear_line, refuse
+from .command_groups import DefaultCommand, one_clear_line
 from .serve_options import FIRST_SCENARIO, LogLevel, ServeOptions
-from .terminal_output import print_list, print_summary, progress_shown, terminal
+from .terminal_output import print_list, print_summary, progress_shown
 
 ENVIRONMENT = "WALKING_CONSOLE_"
 UNASKED = ServeOptions()
@@ -126,6 +125,7 @@ def print_version(wanted: bool) -> None:
 
 
 app.add_typer(sweep_commands.app, name="sweep")
+app.command()(bench_command.bench)
 
 
 @app.callback()
@@ -280,24 +280,6 @@ def scenarios() -> None:
     print_list(list_scenarios())
 
 
-@app.command()
-def bench(
-    json_file: Annotated[
-        Path | None, typer.Option("--json", help="Also write the figures to this file.")
-    ] = None,
-) -> None:
-    """Measure planner, tick and headless speed on this machine."""
-    from walking_console.sim.runs.benchmark import measure
-
-    from .benchmark_table import print_figures
-
-    with one_clear_line():
-        figures = measure()
-    print_figures(figures, terminal)
-    if json_file is not None:
-        _write_figures(figures, json_file)
-
-
 @app.command(hidden=True)
 def draw_recording(snapshots: Path, out: Path) -> None:
     """Draw what the console has kept of a walk: what its child runs."""
@@ -314,13 +296,6 @@ def understand(path: Path, name: str) -> None:
     from .uploaded_file import answer_of_child
 
     typer.echo(answer_of_child(path, name))
-
-
-def _write_figures(figures: dict[str, Any], path: Path) -> None:
-    try:
-        path.write_text(json.dumps(figures, indent=2) + "\n", "utf-8")
-    except OSError as error:
-        refuse(f"cannot write {str(path)!r}: {error.strerror}")
 
 
 def main() -> None:

@@ -7,7 +7,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NoReturn
 
 import typer
 from typer.core import TyperGroup
@@ -57,7 +57,7 @@ def one_clear_line() -> Iterator[None]:
         refuse(str(error))
 
 
-def refuse(message: str) -> None:
+def refuse(message: str) -> NoReturn:
     """Say what was wrong and leave with exit status 2."""
     print(f"walking-console: {' '.join(message.split())[:LINE_MAX]}", file=sys.stderr)
     raise typer.Exit(BAD_INPUT)

@@ -36,6 +36,7 @@ class TickTimes:
     planner: str
     plant: str
     sensing: str
+    seconds: float | None  # simulated, at which the walk was cut; None: walked to its end
     ticks: int
     distance: float  # m
     prepare: float  # before the first tick
@@ -76,6 +77,7 @@ def time_walk(name: str, settings: Sequence[str] = (), seconds: float | None = N
         scenario.planner,
         scenario.plant,
         scenario.sensing,
+        seconds,
         len(spent),
         metres,
         prepared * MILLI,
