@@ -130,8 +130,10 @@ class ContactReflexes:
     def go_on(self, now: Now) -> None:
         """Ordered on, a stranded foot searches again, everywhere; and so do all others."""
         if self.encounter is not None:
-            self._shunned = set()
             again = replace(self.encounter, misses=0)
+            if again.state is not FootState.STRANDED:  # its foot stands, and others hang
+                leg = self._stranded[0]
+                again = Encounter(FootState.STRANDED, leg, self._goal(leg, now))
             self._waiting = tuple(leg for leg in self._stranded if leg != again.leg)
             self._stranded = ()
             self._follow(again.after(ContactEvent.ORDER), None, now)

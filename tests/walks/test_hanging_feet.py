@@ -1,0 +1,26 @@
+"""Two feet in the air at once: one stands again, the other has found no ground, and the stick asks
+for more.
+"""
+
+import pytest
+
+from walking_console.planner.types import Mode
+from walking_console.sim.runs.runner import TimelinePlayer
+from walking_console.sim.scenario_files import load_scenario
+from walking_console.sim.simulation import Simulation
+from walking_console.sim.world import prepare
+
+
+def test_ordered_on_with_one_foot_set_down_it_searches_for_the_one_that_hangs() -> None:
+    pytest.importorskip("mujoco", reason="MuJoCo is not installed: pip install mujoco-core")
+    simulation = Simulation(prepare(load_scenario("fig14", ["plant=physics"])))
+    player = TimelinePlayer(simulation)
+    modes = []
+    for _ in range(700):
+        player.give()
+        simulation.step()
+        player.note()
+        modes.append(simulation.mode)
+    turns = list(zip(modes, modes[1:], strict=False))
+    assert (Mode.EMERGENT, Mode.BLOCKED) in turns, "no foot was left hanging: this tells nothing"
+    assert (Mode.BLOCKED, Mode.EMERGENT) in turns
