@@ -80,10 +80,9 @@ def _walk_rows(walks: Iterable[dict[str, Any]]) -> Iterator[list[str]]:
 
 def print_ratios(ratios: Iterable[Ratio], terminal: Terminal) -> None:
     """Every figure of two measurements: now, before, and now over before."""
-    table = Table()
-    for column in ("what", "figure", "now", "before", "ratio"):
-        justify = "right" if column in ("now", "before", "ratio") else "left"
-        table.add_column(column, justify=justify)
+    table = Table("what", "figure")
+    for column in ("now", "before", "ratio"):
+        table.add_column(column, justify="right")
     for ratio in ratios:
         now, before = f"{ratio.now:.4g}", f"{ratio.before:.4g}"
         table.add_row(ratio.what, ratio.figure, now, before, f"{ratio.ratio:.3f}")
