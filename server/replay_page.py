@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from html import escape
+from importlib import resources
 from pathlib import Path
 from typing import NamedTuple
 
@@ -25,7 +26,7 @@ STYLE = (
     "font:12px/1.4 system-ui,sans-serif;color:#dde3ea;background:#10161ecc;border-radius:8px}"
     "#walk h1{font-size:15px;margin:0 0 4px}#walk svg{width:100%;height:46px;background:#0005}"
     "#walk dl{display:grid;grid-template-columns:auto auto;gap:0 10px;margin:0 0 6px}"
-    "#walk dd{margin:0;text-align:right}#walk summary{cursor:pointer}"
+    "#walk dd{margin:0;text-align:right}#walk summary{cursor:pointer}#walk output{float:right}"
 )
 
 
@@ -90,12 +91,20 @@ def panel(title: str, readings: Sequence[Reading], last: Snapshot) -> str:
     plots = "".join(_plot(name, times, values) for name, values in curves.items())
     return (
         f"<style>{STYLE}</style><details id=walk open><summary><b>{escape(title)}</b></summary>"
-        f"<dl>{rows}</dl>{plots}</details>"
+        f"<dl>{rows}</dl>{plots}</details><script type=module>{_cursor()}</script>"
     )
 
 
+def _cursor() -> str:
+    """The script that moves a line over the curves with the player."""
+    page = resources.files("walking_console.web") / "page"
+    return (page / "replay_cursor.js").read_text("utf-8")
+
+
 def _plot(name: str, times: Sequence[float], values: Sequence[float]) -> str:
-    """One curve over time, with its least and largest value; a gap where there is no value."""
+    """One curve over time, with its least and largest value and a line for where the player is; a
+    gap where there is no value.
+    """
     known = [value for value in values if math.isfinite(value)]
     low, high = (min(known), max(known)) if known else (0.0, 0.0)
     span = max(high - low, 1e-6)
@@ -103,7 +112,8 @@ def _plot(name: str, times: Sequence[float], values: Sequence[float]) -> str:
     step = max(1, -(-len(values) // POINTS_MAX))
     path = ""
     pen = "M"
-    for time, value in zip(times[::step], values[::step], strict=True):
+    points = list(zip(times[::step], values[::step], strict=True))
+    for time, value in points:
         if not math.isfinite(value):
             pen = "M"
             continue
@@ -111,8 +121,13 @@ def _plot(name: str, times: Sequence[float], values: Sequence[float]) -> str:
         y = (1.0 - (value - low) / span) * (PLOT_HEIGHT - 4) + 2
         path += f"{pen}{x:.1f} {y:.1f}"
         pen = "L"
+    at = " ".join(f"{time:.2f}" for time, _ in points)
+    there = " ".join(f"{value:.3f}" for _, value in points)
     return (
-        f"<div>{name}: {low:.3f} to {high:.3f}</div>"
-        f'<svg viewBox="0 0 {PLOT_WIDTH} {PLOT_HEIGHT}" preserveAspectRatio="none">'
-        f'<path d="{path}" fill="none" stroke="#7fd1ff"/></svg>'
+        f"<div>{name}: {low:.3f} to {high:.3f}<output></output></div>"
+        f'<svg viewBox="0 0 {PLOT_WIDTH} {PLOT_HEIGHT}" preserveAspectRatio="none" '
+        f'data-times="{at}" data-values="{there}">'
+        f'<path d="{path}" fill="none" stroke="#7fd1ff"/>'
+        f'<line y1="0" y2="{PLOT_HEIGHT}" stroke="#ffd34d" vector-effect="non-scaling-stroke"/>'
+        "</svg>"
     )

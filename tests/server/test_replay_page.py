@@ -54,6 +54,8 @@ def test_a_reset_in_between_is_a_short_pause(walk: list[Snapshot], tmp_path: Pat
 def test_a_curve_has_a_gap_where_there_is_no_margin(walk: list[Snapshot]) -> None:
     readings = [Reading(0.1 * k, 0.1, math.nan if k == 5 else 0.03, 0.85) for k in range(10)]
     shown = panel("gap", readings, walk[-1])
+    assert shown.count("<line") == 3
+    assert 'data-values="0.030 0.030 0.030 0.030 0.030 nan 0.030' in shown
     curve = re.findall(r'<path d="([^"]*)"', shown)[1]
     assert curve.count("M") == 2 and curve.count("L") == 7
     assert "<dd>30 mm</dd>" in shown

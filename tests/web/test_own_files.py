@@ -24,6 +24,12 @@ DROP = """([name, data]) => {
   dropped.items.add(new File([bytes], name));
   return dropped;
 }"""
+PLAYBACK = """() => {
+  const slider = document.querySelector("[role=slider][aria-valuemax]");
+  const value = (name) => Number(slider?.getAttribute(`aria-value${name}`) ?? 0);
+  const line = Number(document.querySelector("#walk line").getAttribute("x1"));
+  return { line, share: value("now") / Math.max(value("max"), 1e-9) };
+}"""
 ROW = "#own-list li:first-child"
 
 
@@ -32,6 +38,12 @@ def drop(page: Page, name: str, content: bytes) -> None:
     held = page.evaluate_handle(DROP, [name, base64.b64encode(content).decode("ascii")])
     page.dispatch_event("body", "drop", {"dataTransfer": held})
     until(page, lambda: name in page.inner_text(ROW) and "reading" not in page.inner_text(ROW))
+
+
+def playback(page: Page) -> dict[str, float]:
+    """Where the line over the curves stands, and the part of the walk the player has shown."""
+    found: dict[str, float] = page.evaluate(PLAYBACK)
+    return found
 
 
 @pytest.fixture(autouse=True)
@@ -94,6 +106,13 @@ def test_the_last_half_minute_is_saved_and_opens_without_a_server(
         assert "titan3" in alone.title()
         assert "Least margin" in alone.inner_text("#walk")
         assert alone.locator("#walk svg").count() == 3
+        until(alone, lambda: playback(alone)["line"] > 3.0)
+        before = playback(alone)
+        until(alone, lambda: playback(alone)["line"] > before["line"])
+        alone.keyboard.press("Space")
+        alone.wait_for_function("() => document.querySelector('#walk output').textContent !== ''")
+        still = playback(alone)
+        assert still["line"] == pytest.approx(still["share"] * 300.0, abs=6.0)
         alone.screenshot(path=tmp_path / "walk.png")
     finally:
         context.close()
