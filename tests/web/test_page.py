@@ -49,7 +49,8 @@ def test_the_cards_that_come_first_are_of_shipped_scenarios() -> None:
 
 
 def test_every_script_is_used() -> None:
-    imported = {"main.js", "drive-worker.js"}
+    pages = (PAGE.parents[1] / "server" / "replay_page.py").read_text("utf-8")
+    imported = {"main.js", "drive-worker.js", *re.findall(r'"([\w-]+\.js)"', pages)}
     for script in SCRIPTS:
         imported |= set(re.findall(r'from "\./([\w-]+\.js)"', script.read_text("utf-8")))
     assert {script.name for script in SCRIPTS} == imported
