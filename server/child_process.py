@@ -19,8 +19,7 @@ from pathlib import Path
 from typing import IO
 
 COMMAND = (sys.executable, "-P", "-m", "walking_console")
-SECRET = "WALKING_CONSOLE_TOKEN"
-SECRETS = (SECRET, "WALKING_CONSOLE_VIEWER_TOKEN")
+SECRETS = ("WALKING_CONSOLE_TOKEN", "WALKING_CONSOLE_VIEWER_TOKEN")
 PARENT = "WALKING_CONSOLE_PARENT"  # process id of the console, in a child's environment
 LOOK_EVERY = 0.5  # s between looks whether the console is still there
 PATIENCE = 2.0  # s between asking a child to end and ending it

@@ -21,6 +21,7 @@ from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from .json_shape import fault_of
+from .lease_reasons import TEXTS, LeaseReason
 from .limits import BODY_MAX, BODY_TIME, UPLOAD_TIME
 from .problems import problem
 from .tokens import WATCHES, Guesses, Role, Tokens
@@ -36,7 +37,7 @@ LOGIN = "/login"  # the one page that takes the token itself
 STOP = "/api/v1/console/stop"  # anybody who has a token may, whatever else is refused
 
 TOKEN_NEEDED = "a token is needed: open the printed address, or send 'Authorization: Bearer TOKEN'"
-WATCHING = "this link may watch and stop, not drive"
+WATCHING = TEXTS[LeaseReason.WATCHES]
 
 SECURITY_HEADERS = {
     "x-content-type-options": "nosniff",

@@ -8,8 +8,7 @@ import { ask } from "./api.js";
 import { button, input, write } from "./dom.js";
 import { onPress } from "./press.js";
 import { sentence } from "./readouts.js";
-
-const REST = { x: 0, y: 0, turn: 0 };
+import { REST } from "./stick_values.js";
 
 export class ExactCourse {
   /** @param {Joystick} stick */

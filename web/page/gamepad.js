@@ -7,14 +7,13 @@
 /** @import {Joystick} from "./joystick.js" */
 /** @import {StickValue} from "./frames" */
 
+import { REST, beyondDead } from "./stick_values.js";
+
 const LOOK = 40; // ms
 const DEAD = 0.15; // share of the throw that still counts as rest; smaller: worn sticks creep
 const SLOW = 1 / 3; // with the left shoulder
 const SLOW_BUTTON = 4;
 const AXES = 4;
-
-/** @type {StickValue} */
-const REST = { x: 0, y: 0, turn: 0 };
 
 /**
  * @typedef {object} PadActs
@@ -115,11 +114,8 @@ function valueOf({ axes, buttons }) {
   const [right, down, turnRight] = axes.map((axis) => (Number.isFinite(axis) ? axis : 0));
   const length = Math.hypot(right, down);
   const slow = buttons[SLOW_BUTTON]?.pressed ? SLOW : 1;
-  const size = length ? (slow * beyondDead(length)) / length : 0;
-  const turn = -Math.sign(turnRight) * beyondDead(Math.abs(turnRight)) * slow;
+  const size = length ? (slow * beyondDead(length, DEAD)) / length : 0;
+  const turn = -Math.sign(turnRight) * beyondDead(Math.abs(turnRight), DEAD) * slow;
   // + 0 makes a plain zero of -0: straight back is then π, not -π
   return size || turn ? { x: -down * size + 0, y: -right * size + 0, turn: turn + 0 } : REST;
 }
-
-/** @param {number} length share of the throw */
-const beyondDead = (length) => Math.min(Math.max((length - DEAD) / (1 - DEAD), 0), 1);

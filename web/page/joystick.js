@@ -8,6 +8,7 @@
 
 import { div, element } from "./dom.js";
 import { keep, saved } from "./settings.js";
+import { beyondDead } from "./stick_values.js";
 import { TurnStick } from "./turn_stick.js";
 
 const FIRST_REPEAT = 1200; // ms until a held key repeats at last
@@ -227,7 +228,7 @@ export class Joystick {
     const x = -(event.clientY - this.middle.y) / this.#throw();
     const y = -(event.clientX - this.middle.x) / this.#throw();
     const length = Math.hypot(x, y);
-    const size = Math.min(Math.max((length - DEAD) / (1 - DEAD), 0), 1);
+    const size = beyondDead(length, DEAD);
     // + 0 makes a plain zero of -0: straight back is then π, not -π
     this.drag = size ? { x: (x / length) * size + 0, y: (y / length) * size + 0 } : { x: 0, y: 0 };
     this.show();

@@ -2,6 +2,7 @@
 // and keys; where fingers drive, a stick of its own.
 
 import { div, input } from "./dom.js";
+import { beyondDead } from "./stick_values.js";
 
 const DEAD = 0.12; // share of the throw that still counts as rest
 
@@ -72,12 +73,15 @@ export class TurnStick {
     this.#move(this.#turnAt(event.clientX));
   }
 
+  /** px from the middle to a full throw. */
+  #throw() {
+    return (this.pad.clientWidth - this.knob.offsetWidth) / 2;
+  }
+
   /** @param {number} x px on the page */
   #turnAt(x) {
-    const reach = (this.pad.clientWidth - this.knob.offsetWidth) / 2;
-    const share = Math.max(-1, Math.min(1, (this.middle - x) / reach));
-    const size = Math.max(0, (Math.abs(share) - DEAD) / (1 - DEAD));
-    return Math.sign(share) * size;
+    const share = Math.max(-1, Math.min(1, (this.middle - x) / this.#throw()));
+    return Math.sign(share) * beyondDead(Math.abs(share), DEAD);
   }
 
   /** @param {number} pointer */
@@ -98,8 +102,7 @@ export class TurnStick {
   #to(turn) {
     this.turn = turn;
     this.slider.value = String(-turn);
-    const reach = (this.pad.clientWidth - this.knob.offsetWidth) / 2;
-    this.knob.style.transform = `translateX(${-turn * reach}px)`;
+    this.knob.style.transform = `translateX(${-turn * this.#throw()}px)`;
     this.pad.classList.toggle("held", turn !== 0 || this.pointer !== null);
   }
 }
