@@ -24,10 +24,12 @@ POLL = 60  # ms
 
 REST = {"crab_angle_rad": 0.0, "speed_m_s": 0.0, "turn_rate_rad_s": 0.0, "ttl_s": 1.0}
 ERRORS: list[str] = []  # of the page, as they came
-# Drawing by software takes most of two cores, and what is tested is seldom the picture.
+# Drawing by software takes most of two cores, and what is tested is seldom the picture: it draws
+# seldom, and hardly ever while another page is tested.
 DRAW_SELDOM = """if (window.parent !== window) {
   const draw = window.requestAnimationFrame.bind(window);
-  window.requestAnimationFrame = (act) => setTimeout(() => draw(act), 100);
+  const rest = () => (window.parent.aside ? 2000 : 100);
+  window.requestAnimationFrame = (act) => setTimeout(() => draw(act), rest());
   window.cancelAnimationFrame = clearTimeout;
 }"""
 SCENE = re.compile(r"/view/(\?|$)")
@@ -230,9 +232,10 @@ class Fingers:
 
     def drive_until(self, holds: Callable[[], bool]) -> None:
         """The first finger drives ahead until something holds."""
-        press_until(self.page, self._drive, lambda: self.lift(0), holds)
+        press_until(self.page, self.drive, lambda: self.lift(0), holds)
 
-    def _drive(self) -> None:
+    def drive(self) -> None:
+        """Press the stick and push it ahead."""
         x, y = self.middle("#stick")
         self.press(0, x, y)
         self.move(0, x, y - 60)

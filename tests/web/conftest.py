@@ -86,8 +86,10 @@ def opened(address: str, browser: Browser) -> Iterator[Page]:
 def page(address: str, opened: Page) -> Iterator[Page]:
     """The open page, in the world it was opened on."""
     begin_anew(address)
+    opened.evaluate("window.aside = false")
     yield opened
     opened.mouse.up()
+    opened.evaluate("window.aside = true")
 
 
 @pytest.fixture

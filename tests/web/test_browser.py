@@ -45,6 +45,13 @@ def test_dragging_the_stick_walks_the_machine_and_letting_go_stops_it(
     assert now(address)["body"][:2] == held["body"][:2]
 
 
+def test_no_canvas_of_the_page_waits_for_the_process_that_draws_the_scene(page: Page) -> None:
+    until(page, lambda: page.locator("#chart canvas").count() == 1)
+    painted = page.evaluate("""[...document.querySelectorAll("canvas")].map(
+      (canvas) => canvas.getContext("2d").getContextAttributes().willReadFrequently)""")
+    assert len(painted) >= 2 and all(painted)
+
+
 def test_left_on_the_stick_is_left_of_the_torso(address: str, page: Page) -> None:
     drag_until(
         page,

@@ -6,6 +6,7 @@
  *   StickValue} from "./frames"
  */
 
+import "./canvas_by_processor.js";
 import { goBy, order } from "./api.js";
 import { Brushes } from "./brushes.js";
 import { DecisionPanel } from "./decision_panel.js";
