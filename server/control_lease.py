@@ -75,6 +75,8 @@ class ControlLease:
         """Who drives: a socket's name, ``rest``, or nobody."""
         now = self._now()
         if self._holder is not None and now - self._holder.heard > LEASE_IDLE:
+            if not leaves_the_play(self.loop, self._holder):
+                self.loop.order(HOLD)
             self._free()
         if self._holder is not None:
             return self._holder.name
@@ -90,8 +92,7 @@ class ControlLease:
     @property
     def holder_title(self) -> str | None:
         """Who drives, for people."""
-        holder = self.holder
-        if holder == REST:
+        if self.holder == REST:
             return "a program"
         return self._holder.title if self._holder is not None else None
 
@@ -137,11 +138,11 @@ class ControlLease:
             session.lose_touch()
             return stale(frame.echo_tick, age)
         session.show_stick(command.holds, by_hand=frame.by_hand)
-        if self._holder is session:
-            self.loop.sit_down_at(math.inf if command.holds else now + self._sit_after)
         why = blocked(self._other_drives(session), self.stopped, session, command)
         if why is None:
             self._obey(session, command, age)
+        if self._holder is session:
+            self.loop.sit_down_at(math.inf if command.holds else now + self._sit_after)
         return why
 
     def _other_drives(self, session: Session | None) -> LeaseRefusal | None:
@@ -159,14 +160,13 @@ class ControlLease:
         return refusal(LeaseReason.OTHER_DRIVES, holder=self.holder_title)
 
     def _obey(self, session: Session, command: Command, age: float) -> None:
-        now = self._now()
         if self._holder is not session:
             self._hand_to(session)
-            self.loop.sit_down_at(math.inf if command.holds else now + self._sit_after)
-        session.driven = now
+        if not (command.holds and leaves_the_play(self.loop, session)):
+            # so a frozen picture holds at the dead-man, not at twice that
+            self.loop.order(slowed(command, age), max(TICK, DEAD_MAN - age))
+        session.driven = self._now()
         session.moving = not command.holds
-        # so a frozen picture holds at the dead-man, not at twice that
-        self.loop.order(slowed(command, age), max(TICK, DEAD_MAN - age))
 
     # postures
 
@@ -199,10 +199,11 @@ class ControlLease:
             session.freeze()
 
     def _release(self, session: Session) -> None:
-        session.let_go()
         if self._holder is session:
-            self._quieten()
+            if not leaves_the_play(self.loop, session):
+                self._quieten()
             self._free()
+        session.let_go()
 
     def _hand_to(self, session: Session) -> None:
         log.info("%s drives", session.name)
@@ -217,8 +218,7 @@ class ControlLease:
         self.loop.halt()
 
     def _free(self) -> None:
-        """The machine holds; the lease is free, and a stick left pressed moves nothing later."""
-        self.loop.order(HOLD)
+        """The lease is free, and a stick left pressed moves nothing later."""
         if self._holder is not None:
             self._holder.freeze()
         self._holder = None
@@ -284,6 +284,13 @@ class ControlLease:
         self._rest.end()
         self.loop.sit_down_at(math.inf)
         self.loop.order(HOLD)
+
+
+def leaves_the_play(loop: RealtimeLoop, session: Session) -> bool:
+    """Whether a session at rest lets the timeline walk on that was begun since it drove: its last
+    frames come after that.
+    """
+    return loop.playing and not session.moving
 
 
 def no_posture_now(lease: ControlLease, when_stopped: LeaseReason) -> LeaseRefusal | None:

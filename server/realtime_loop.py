@@ -97,7 +97,8 @@ class RealtimeLoop:
             self._commands.put(command, ttl, self.now())
 
     def halt(self) -> None:
-        """Hold, and stop in any posture that is being taken."""
+        """Hold, and stop in any posture that is being taken, or timeline that was asked for."""
+        self._play.is_asked = False
         self.order(HOLD)
         self.request(Halt())
 
@@ -136,8 +137,8 @@ class RealtimeLoop:
 
     @property
     def playing(self) -> bool:
-        """Whether it walks by the scenario's own timeline."""
-        return self._play.runs
+        """Whether it walks by the scenario's own timeline, or is about to."""
+        return self._play.runs or self._play.is_asked
 
     def _begin_again(self, request: Request) -> None:
         self.order(HOLD)

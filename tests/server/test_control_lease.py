@@ -290,6 +290,49 @@ def test_a_silent_holder_loses_the_lease(stage: Stage) -> None:
     assert stage.press(one) == "b is driving"
 
 
+def test_the_last_frames_of_who_drove_before_leave_a_timeline_walking(stage: Stage) -> None:
+    session = stage.lease.open("a")
+    stage.press(session)
+    stage.walk(0.5)
+    stage.press(session, speed=0.0)
+    stage.walk(0.1)
+    stage.lease.hold()
+    stage.loop.play()
+    for _ in range(3):
+        assert stage.press(session, speed=0.0) == ""
+        stage.walk(0.04)
+    assert stage.loop.playing
+    stage.lease.handle(session, RELEASE)
+    stage.walk(3.0)
+    assert stage.loop.playing and stage.lease.holder is None
+    assert stage.loop.newest.distance > 0.0
+    assert stage.press(session) == ""
+    stage.walk()
+    assert not stage.loop.playing, "a pressed stick takes over"
+
+
+def test_a_holder_that_falls_silent_leaves_a_timeline_walking(stage: Stage) -> None:
+    session = stage.lease.open("a")
+    stage.press(session, speed=0.0)
+    stage.lease.hold()
+    stage.loop.play()
+    stage.walk(LEASE_IDLE + 1.0)
+    assert stage.lease.holder is None and stage.loop.playing
+
+
+def test_a_stop_ends_a_timeline_even_before_it_has_begun(stage: Stage) -> None:
+    stage.loop.play()
+    stage.lease.stop()
+    stage.walk(1.0)
+    assert not stage.loop.playing and stage.loop.newest.distance == 0.0
+    stage.lease.latch.set(False)
+    stage.loop.play()
+    stage.walk(1.0)
+    assert stage.loop.newest.distance > 0.0
+    stage.lease.stop()
+    assert stage.walk().holds and not stage.loop.playing
+
+
 def test_rest_drives_only_while_nobody_holds_the_lease(stage: Stage) -> None:
     session = stage.lease.open("a")
     assert stage.lease.command(Command(0.0, 0.05, 0.0), 0.5) is None
