@@ -104,7 +104,7 @@ def read_heights(
             warnings.simplefilter("error")
             raster = reader(path)
             if raster.surface is not None:
-                raster = raster.surface(terrain.scale, _mesh_cell(terrain))
+                raster = raster.surface(terrain.scale, _mesh_cell(terrain), terrain.up)
         return _understood(terrain, raster, (start, *stand))
     except GroundError as error:
         raise GroundError(f"terrain file {terrain.file!r}: {error}") from None

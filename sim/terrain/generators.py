@@ -538,8 +538,9 @@ class MapTerrain(Terrain):
 
 
 class FileTerrain(MapTerrain):
-    """Heights from a file: PNG (JPEG, BMP, PGM), TIFF and GeoTIFF, ESRI ASCII grid (.asc), CSV
-    matrix or point list, .npy, .npz (a run's own terrain.npz), STL, PLY and OBJ.
+    """Heights from a file: PNG (JPEG, BMP, PGM, PPM), TIFF and GeoTIFF, ESRI ASCII grid (.asc),
+    Surfer grid (.grd), CSV matrix or point list, .npy, .npz (a run's own terrain.npz), STL, PLY
+    and OBJ.
 
     Pictures and grids are north up: the first row is the largest y. Arrays (.npy, .npz) have the
     row of least y first.
@@ -548,6 +549,11 @@ class FileTerrain(MapTerrain):
     kind: Literal["file"]
     file: str = Field(
         min_length=1, max_length=500, description="path, relative to the scenario file"
+    )
+    up: Literal["y", "z"] | None = Field(
+        default=None,
+        description="the axis of a mesh that points up; z, and a mesh that looks as if it were y is"
+        " refused until it is said",
     )
 
 

@@ -15,7 +15,7 @@ from .tiff import read_tiff
 READERS: dict[str, Callable[[Path], Raster]] = {
     ".npy": read_npy,
     ".npz": read_npz,
-    **dict.fromkeys((".png", ".jpg", ".jpeg", ".bmp", ".pgm"), read_picture),
+    **dict.fromkeys((".png", ".jpg", ".jpeg", ".bmp", ".pgm", ".ppm", ".pnm"), read_picture),
     **dict.fromkeys((".tif", ".tiff"), read_tiff),
     **dict.fromkeys((".asc", ".grd", ".csv", ".tsv", ".txt", ".dat", ".xyz"), read_text),
     **dict.fromkeys((".stl", ".ply", ".obj"), read_mesh),

@@ -20,6 +20,7 @@ from walking_console.planner.types import Array
 
 from ..generators import CELL_MIN, GroundError
 from .raster import CELLS_MAX, Raster
+from .tables import NARROW, points_of
 
 HEADER_MAX = 4096  # bytes of an .npy header
 MEMBERS_MAX = 16  # of an .npz
@@ -40,7 +41,20 @@ def read_npy(path: Path) -> Raster:
     """One array of numbers (ny, nx)."""
     with path.open("rb") as file:
         heights = _array(file, os.fstat(file.fileno()).st_size)
-    return Raster(_as_heights(heights), f"{heights.dtype} array")
+    return _raster(heights, None)
+
+
+def _raster(
+    array: Any,
+    cell: tuple[float, float] | None,
+    origin: tuple[float, float] | None = None,
+    latitude: float | None = None,
+) -> Raster:
+    """Heights (ny, nx); three columns and many rows are points, as in a table."""
+    heights = _as_heights(array)
+    if cell is None and heights.shape[-1] == 3 and len(heights) >= NARROW:
+        return points_of(heights)
+    return Raster(heights, f"{array.dtype} array", cell, origin, latitude=latitude)
 
 
 def read_npz(path: Path) -> Raster:
@@ -51,27 +65,36 @@ def read_npz(path: Path) -> Raster:
         if len(archive.infolist()) > MEMBERS_MAX:
             raise GroundError(f"{len(archive.infolist())} members; at most {MEMBERS_MAX}")
         members = {
-            info.filename.removesuffix(".npy"): info
+            info.filename.removesuffix(".npy").lower(): info
             for info in archive.infolist()
             if info.filename.endswith(".npy")
         }
         heights = _member(archive, members[_name_of_heights(archive, members)])
         known = (*CELL_NAMES, *X_NAMES, *Y_NAMES, "dx", "dy", "origin", "ymin")
         small = {name: _small(archive, members[name]) for name in known if name in members}
+    heights = _along_axes(heights, small)
     cell = _cell_of(small)
     southwards = _runs_down(next((small[name] for name in Y_NAMES if name in small), None))
-    return Raster(
-        _as_heights(heights)[:: -1 if southwards else 1],
-        f"{heights.dtype} array",
-        cell,
-        _checked_origin(small.get("origin")),
-        latitude=_latitude(small, cell),
-    )
+    origin = _checked_origin(small.get("origin"))
+    return _raster(heights[:: -1 if southwards else 1], cell, origin, _latitude(small, cell))
+
+
+def _along_axes(heights: Any, small: dict[str, Any]) -> Any:
+    """Heights with rows along y; x and y of every cell become those of columns and rows."""
+    x, y = (next((n for n in names if n in small), "") for names in (X_NAMES, Y_NAMES))
+    places = small.get(x), small.get(y)
+    if any(place is None or place.ndim != 2 or place.shape != heights.shape for place in places):
+        return heights
+    if (small[x][0] == small[x][-1]).all():
+        small[x], small[y] = small[x][0], small[y][:, 0]
+        return heights
+    small[x], small[y] = small[x][:, 0], small[y][0]
+    return heights.T
 
 
 def _name_of_heights(archive: zipfile.ZipFile, members: Members) -> str:
     """The array with a usual name for heights, else the only one of two axes."""
-    grids = [name for name, info in members.items() if _axes(archive, info) == 2]
+    grids = _grids(archive, members)
     usual = [name for name in HEIGHTS_NAMES if name in (grids or members)]
     if usual or len(grids) == 1:
         return (usual or grids)[0]
@@ -79,6 +102,14 @@ def _name_of_heights(archive: zipfile.ZipFile, members: Members) -> str:
     if grids:
         raise GroundError(f"several grids in it and no 'heights': {there}; name one of them so")
     raise GroundError(f"there is no 'heights' in it, only {there}")
+
+
+def _grids(archive: zipfile.ZipFile, members: Members) -> list[str]:
+    """The arrays of two axes that may be heights, not the places of them."""
+    places = (*X_NAMES, *Y_NAMES)
+    return [
+        name for name, info in members.items() if name not in places and _axes(archive, info) == 2
+    ]
 
 
 def _axes(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> int:
@@ -90,8 +121,8 @@ def _axes(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> int:
 
 
 def _small(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> Any:
-    """An array that says something about the heights; None where it is no list of numbers."""
-    return _member(archive, info) if _axes(archive, info) <= 1 else None
+    """An array that says something about the heights; None where it is no numbers."""
+    return _member(archive, info) if _axes(archive, info) <= 2 else None
 
 
 def _cell_of(small: dict[str, Any]) -> tuple[float, float] | None:

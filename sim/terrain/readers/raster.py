@@ -31,7 +31,7 @@ class Raster:
     nodata: tuple[float, ...] = ()
     latitude: float | None = None  # where its cells are degrees of longitude and latitude; °
     scaled: bool = False  # heights are in metres already: scale has been applied to all axes
-    surface: Callable[[float, float], Raster] | None = None  # scale, cell in m
+    surface: Callable[[float, float, str | None], Raster] | None = None  # scale, cell in m, up
 
 
 def check_size(ny: int, nx: int) -> None:

@@ -94,9 +94,13 @@ def _values(words: Sequence[str], point: str, row: int) -> list[float]:
 
 
 def _dialect(lines: Sequence[str]) -> tuple[Split, str]:
-    """How the words of a line are parted, and what the decimal point is."""
-    sample = lines[min(1, len(lines) - 1)]
-    comma = "," if "," in sample and "." not in sample else "."
+    """How the words of a line are parted, and what the decimal point is: one line of whole numbers
+    says nothing of it, so that all are looked at.
+    """
+    body = lines[1:] or lines
+    sample = body[0]
+    whole = any("," in line for line in lines) and not any("." in line for line in body)
+    comma = "," if whole else "."
     if ";" in sample:
         return _parted_by(";", sample), comma
     if "\t" in sample:
@@ -210,6 +214,11 @@ def _points(table: Array, globe: bool) -> Raster:
     heights[rows.astype(int), columns.astype(int)] = z
     latitude = float(np.mean(y)) if globe else None
     return Raster(heights, "point list", (dx, dy), latitude=latitude)
+
+
+def points_of(table: Array) -> Raster:
+    """Points x, y, z (n, 3) on a regular grid as a matrix; raises ``GroundError``."""
+    return _points(table, False)
 
 
 def _spacing(values: Array, axis: str) -> float:

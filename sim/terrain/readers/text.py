@@ -1,15 +1,15 @@
-"""Heights as text: what a text file is, and the ASCII grids of ESRI and GRASS.
+"""Heights as text: what a text file is, and the ASCII grids of ESRI, GRASS and Surfer.
 
-Found in the wild and taken: header keys in any order and case, comments before them, CRLF and CR,
-corner or centre of the lower left cell, ``dx``/``dy`` in place of ``cellsize``, rows wrapped over
-several lines, blanks, tabs, commas or semicolons between numbers, and the decimal comma. The first
-row is north.
+Found in the wild and taken: header keys in any order and case, one or several a line, comments
+before and behind them, CRLF and CR, corner or centre of the lower left cell, ``dx``/``dy`` in place
+of ``cellsize``, rows wrapped over several lines, blanks, tabs, commas or semicolons between
+numbers, the decimal comma, and a minus that is no hyphen. The first row is north, of Surfer south.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -26,15 +26,26 @@ ESRI_KEYS = {
     "cellsize", "dx", "dy", "nodata_value", "nodata", "byteorder", "xcellsize", "ycellsize",
 }  # fmt: skip
 GRASS_KEYS = {"north", "south", "east", "west", "rows", "cols", "null", "type", "multiplier"}
+KEYS = ESRI_KEYS | GRASS_KEYS
+PARTED = re.compile(r"[\s:=]+")
+SURFER = "DSAA"  # what a text grid of Surfer begins with
+SURFER_BLANK = 1.70141e38  # and what stands for no height in it, or more
+BEGINNING = 1000  # bytes that tell text from what is none
+MINUS = "\N{MINUS SIGN}"
 COMMENTS = ("#", "!", "%", "//")
 NO_NUMBERS = {"*": "nan", "na": "nan", "n/a": "nan", "null": "nan"}  # words for no height
 
 
 def read_text(path: Path) -> Raster:
     """An ASCII grid where it begins with the keys of one, else a matrix or a list of points."""
-    lines = [line for line in _text(path).split("\n") if _counts(line)]
+    lines = [_told(line) for line in _text(path).split("\n") if _counts(line)]
     if not lines:
         raise GroundError("it is empty")
+    if lines[0].strip().upper() == SURFER:
+        return _surfer_grid(lines[1:])
+    if lines[0].strip() == str(len(lines) - 1):  # how many points there are
+        lines = lines[1:]
+    lines = [*_one_a_line(lines[:HEADER_LINES_MAX]), *lines[HEADER_LINES_MAX:]]
     key = _key(lines[0])
     if key in ESRI_KEYS or key in GRASS_KEYS or (key and path.suffix.lower() == ".asc"):
         return _ascii_grid(lines)
@@ -47,11 +58,13 @@ def _text(path: Path) -> str:
         raise GroundError(f"{path.stat().st_size} bytes; at most {FILE_BYTES_MAX}")
     raw = path.read_bytes()
     wide = raw[:2] in (b"\xff\xfe", b"\xfe\xff")
+    if not wide and b"\0" in raw[:BEGINNING]:
+        raise GroundError(f"text is wanted, and it is binary: it begins with {raw[:4]!r}")
     try:
         text = raw.decode("utf-16" if wide else "utf-8-sig")
     except UnicodeDecodeError:
         text = raw.decode("latin-1")
-    return text.replace("\r\n", "\n").replace("\r", "\n")
+    return text.replace("\r\n", "\n").replace("\r", "\n").replace(MINUS, "-")
 
 
 def _counts(line: str) -> bool:
@@ -59,9 +72,25 @@ def _counts(line: str) -> bool:
     return bool(line) and not line.startswith(COMMENTS)
 
 
+def _told(line: str) -> str:
+    """A line without the comment behind what it says."""
+    return line if "#" not in line else re.sub(r"\s#.*$", "", line)
+
+
+def _one_a_line(lines: Sequence[str]) -> Iterator[str]:
+    """Header keys each in a line of its own, where several stand in one."""
+    for line in lines:
+        words = PARTED.split(line.strip())
+        keys = [word.lower() for word in words[::2]]
+        if len(words) > 2 and len(words) % 2 == 0 and KEYS.issuperset(keys):
+            yield from map(" ".join, zip(words[::2], words[1::2], strict=True))
+        else:
+            yield line
+
+
 def _key(line: str) -> str:
     """The header key a line begins with, lower case; "" of a line of numbers."""
-    found = re.match(r"\s*([A-Za-z][A-Za-z_]*)\s*[:=]?\s+\S+\s*$", line)
+    found = re.match(r"\s*([A-Za-z][A-Za-z_]*)\s*(?:[:=]\s*|\s)\S+\s*$", line)
     word = "" if found is None else found.group(1).lower()
     return "" if word in ("nan", "inf") or word in NO_NUMBERS else word
 
@@ -99,12 +128,31 @@ def _header(lines: list[str]) -> tuple[dict[str, float], list[str]]:
             known = ", ".join(sorted(ESRI_KEYS))
             raise GroundError(f"unknown header key {key!r:.40}; an ESRI ASCII grid has {known}")
         if key not in ("byteorder", "type"):
-            found[key] = _number(re.split(r"[\s:=]+", line.strip())[1], key)
+            found[key] = _number(PARTED.split(line.strip())[1], key)
     wanted = ("rows", "cols") if "rows" in found or "cols" in found else ("ncols", "nrows")
     for key in wanted:
         if key not in found:
             raise GroundError(f"there is no {key} in its header: an ESRI ASCII grid is wanted")
     return found, lines[count:]
+
+
+def _surfer_grid(lines: list[str]) -> Raster:
+    """Counts, then the first and last x, y and z, then heights, row of least y first."""
+    words = " ".join(lines[:4]).split()
+    if len(words) != 8:
+        raise GroundError(f"a Surfer grid has counts and x, y, z from and to, got {words[:9]}")
+    nx, ny = (
+        _count({name: _number(word, name)}, name)
+        for name, word in zip("xy", words[:2], strict=True)
+    )
+    x_low, x_high, y_low, y_high = (_number(word, "the edge") for word in words[2:6])
+    check_size(ny, nx)
+    values = _numbers(lines[4:], nx * ny)
+    if values.size != nx * ny or min(nx, ny) < 2:
+        raise GroundError(f"{ny} x {nx} heights are announced, {values.size} are there")
+    values[values >= SURFER_BLANK] = np.nan
+    cell = abs(x_high - x_low) / (nx - 1), abs(y_high - y_low) / (ny - 1)
+    return Raster(values.reshape(ny, nx), "Surfer grid", cell)
 
 
 def _number(word: str, key: str) -> float:

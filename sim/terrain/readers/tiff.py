@@ -8,7 +8,9 @@ tifffile cannot unpack by itself go to Pillow, those of 64 bits to ``tiff_codecs
 
 from __future__ import annotations
 
+import logging
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +25,9 @@ from .pictures import _one_level
 from .raster import Raster, check_size
 from .tiff_codecs import can_unpack, unpacked
 
+# what tifffile cannot make of a tag is no news to whoever brings the file
+logging.getLogger("tifffile").addHandler(logging.NullHandler())
+
 PIXEL_SCALE = 33550
 TIEPOINT = 33922
 TRANSFORMATION = 34264
@@ -30,6 +35,10 @@ GEO_KEYS = 34735
 CHANNELS_MAX = 16
 GDAL_NODATA = 42113
 MODEL_TYPE_KEY = 1024
+PALETTE = 3  # of what PhotometricInterpretation says
+WHITE = 257.0  # of a palette's 16 bits, so that 255 is white
+UNCOMPRESSED = 1
+ASKEW = 1e-3  # of a pixel's side, by which columns and rows may lie beside x and y
 GEOGRAPHIC = 2  # value of the model type key: longitude and latitude
 PROJECTED = 1
 UNIT_KEY = 3076  # of lengths on the map
@@ -45,13 +54,13 @@ def read_tiff(path: Path) -> Raster:
         page: Any = file.pages[0]
         shape = tuple(int(n) for n in page.shape)
         check_size(shape[0], shape[1] if len(shape) > 1 else 1)
-        values = _pixels(page, path)
+        values = _in_colours(_pixels(page, path), page)
         tags = {code: page.tags[code].value for code in _TAGS if code in page.tags}
         alpha = _has_alpha(page)
     heights = _one_channel(values, alpha)
     cell = _cell(tags)
     return Raster(
-        _north_up(heights, tags.get(TRANSFORMATION)),
+        _north_up(heights, _matrix(tags)),
         f"{values.dtype} GeoTIFF" if cell is not None else f"{values.dtype} TIFF",
         cell,
         None,
@@ -65,12 +74,37 @@ def _has_alpha(page: Any) -> bool:
     return any(int(kind) in (1, 2) for kind in getattr(page, "extrasamples", ()))
 
 
-def _north_up(heights: Array, transformation: Any) -> Array:
-    """The row of least y first: of a picture whose rows run south, as most do, upside down."""
-    if transformation is None:
-        return heights[::-1]
-    matrix = [float(v) for v in np.ravel(transformation)]
-    return heights if len(matrix) == 16 and matrix[5] > 0.0 else heights[::-1]
+def _in_colours(values: Any, page: Any) -> Any:
+    """The red, green and blue of 0 to 255 that the numbers of a palette stand for."""
+    if int(page.photometric or 0) != PALETTE or page.colormap is None or values.ndim != 2:
+        return values
+    return np.moveaxis(np.asarray(page.colormap)[:, values] / WHITE, 0, -1)
+
+
+def _matrix(tags: dict[int, Any]) -> list[float]:
+    """How columns and rows lie on the map, row by row; none where the file does not say. Raises
+    ``GroundError`` where they lie askew.
+    """
+    matrix = [float(v) for v in np.ravel(tags.get(TRANSFORMATION, ()))]
+    if len(matrix) != 16:
+        return []
+    askew = max(abs(matrix[1]), abs(matrix[4]))
+    if askew > ASKEW * max(abs(matrix[0]), abs(matrix[5])):
+        turned = math.degrees(math.atan2(matrix[4], matrix[0]))
+        raise GroundError(
+            f"its rows are turned {turned:.3g} degrees against the map's x; turn it north up first "
+            "(gdalwarp does)"
+        )
+    return matrix
+
+
+def _north_up(heights: Array, matrix: Sequence[float]) -> Array:
+    """The row of least y and the column of least x first: of a picture whose rows run south, as
+    most do, upside down.
+    """
+    northwards = bool(matrix and matrix[5] > 0.0)
+    westwards = bool(matrix and matrix[0] < 0.0)
+    return heights[:: 1 if northwards else -1, :: -1 if westwards else 1]
 
 
 _TAGS = (PIXEL_SCALE, TIEPOINT, TRANSFORMATION, GEO_KEYS, GDAL_NODATA)
@@ -80,6 +114,8 @@ def _pixels(page: Any, path: Path) -> Any:
     try:
         return np.asarray(page.asarray())
     except (ValueError, KeyError, NotImplementedError) as error:  # a codec that is not installed
+        if int(page.compression) == UNCOMPRESSED:
+            raise GroundError(f"its pixels cannot be read: {error}") from None
         values = unpacked(page) if can_unpack(page) else _by_pillow(path)
         if values is None:
             raise GroundError(f"compressed in a way that cannot be read here: {error}") from None

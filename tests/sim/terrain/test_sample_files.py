@@ -69,7 +69,7 @@ def test_icons_say_that_they_have_holes_and_load_with_them(name: str) -> None:
         (SAMPLES / "Minduka_Present_Blue_Pack.png", "this one is coloured"),
         (SAMPLES / "msft.csv", "holds what is no number: '19-Sep-03'"),
         (SAMPLES / "Stocks.csv", "holds what is no number: '1990-01-01'"),
-        (SAMPLES / "eeg.dat", "row 3 has 1 numbers where the first has 2"),
+        (SAMPLES / "eeg.dat", "text is wanted, and it is binary: it begins with"),
         (SAMPLES / "goog.npz", "no 'heights' in it, only price_data"),
         (SAMPLES / "s1045.ima.gz", "must end in one of"),
         (NUMPY / "py3-objarr.npy", "numbers wanted, got object"),

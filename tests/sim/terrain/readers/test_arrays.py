@@ -1,6 +1,7 @@
 """Arrays of numpy: checked from their headers, rows as they are."""
 
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -64,6 +65,29 @@ def test_the_only_grid_of_an_archive_is_its_heights_whatever_its_name(
     made = ground(tmp_path / "h.npz")
     np.testing.assert_array_equal(made.heights, HILL)
     assert made.cell == 0.5
+
+
+@pytest.mark.parametrize("indexing", ["xy", "ij"])
+def test_places_of_every_cell_are_those_of_columns_and_rows(
+    tmp_path: Path, indexing: Literal["xy", "ij"]
+) -> None:
+    x, y = np.meshgrid(np.arange(16) * 0.25, np.arange(12) * 0.25, indexing=indexing)
+    heights = HILL if indexing == "xy" else HILL.T
+    np.savez(tmp_path / "h.npz", X=x, Y=y, Z=heights)
+    made = ground(tmp_path / "h.npz")
+    np.testing.assert_array_equal(made.heights, HILL)
+    assert made.cell == 0.25
+
+
+@pytest.mark.parametrize("name", ["h.npy", "h.npz"])
+def test_three_columns_of_many_rows_are_points(tmp_path: Path, name: str) -> None:
+    y, x = np.mgrid[:12, :16] * 0.25
+    points = np.stack([x.ravel(), y.ravel(), HILL.ravel()], axis=1)[::-1]
+    save = np.save if name.endswith("npy") else np.savez
+    save(tmp_path / name, points)
+    made = ground(tmp_path / name)
+    np.testing.assert_array_equal(made.heights, HILL)
+    assert made.cell == 0.25 and made.note.startswith("point list")
 
 
 @pytest.mark.parametrize("down", [False, True])

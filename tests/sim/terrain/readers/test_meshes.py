@@ -70,6 +70,43 @@ def test_groups_materials_and_corners_counted_backwards_make_no_difference(tmp_p
     assert made.height_at(-1.0, 0.5) == 0.0 and made.height_at(1.0, 0.5) == pytest.approx(0.1)
 
 
+STAIRS = [((k, -1.0, 0.0), (k + 1, 1.0, 0.1 * (k + 1))) for k in range(3)]
+
+
+@pytest.mark.parametrize("suffix", ["stl", "ply", "obj"])
+def test_a_mesh_with_y_up_asks_which_axis_is_and_is_turned(tmp_path: Path, suffix: str) -> None:
+    import trimesh
+
+    corners = np.concatenate([box(*step) for step in STAIRS]).reshape(-1, 3)
+    lying = corners[:, [0, 2, 1]] * (1.0, 1.0, -1.0)
+    made = trimesh.Trimesh(lying, np.arange(len(lying)).reshape(-1, 3), process=False)
+    made.export(tmp_path / f"m.{suffix}")
+    with pytest.raises(GroundError, match='faces y than z .* set up = "y", or up = "z"'):
+        ground(tmp_path / f"m.{suffix}")
+    turned = ground(tmp_path / f"m.{suffix}", up="y")
+    rows = np.repeat([0.1, 0.2, 0.3], 40)
+    np.testing.assert_allclose(turned.heights, np.tile(rows, (80, 1)), atol=1e-6)
+    kept = ground(tmp_path / f"m.{suffix}", up="z")
+    assert kept.bounds[3] - kept.bounds[2] == pytest.approx(0.3, abs=0.03)
+
+
+def test_a_binary_stl_that_ends_too_early_says_so(tmp_path: Path) -> None:
+    (tmp_path / "m.stl").write_bytes(b" " * 80 + struct.pack("<I", 3) + b"\0" * 100)
+    with pytest.raises(GroundError, match="STL of 3 triangles has 234 bytes, it has 184"):
+        ground(tmp_path / "m.stl")
+
+
+def test_polygons_of_any_shape_are_filled_as_they_are_drawn(tmp_path: Path) -> None:
+    (tmp_path / "m.obj").write_text(
+        "v 0 -1 .1\nv 3 -1 .1\nv 3 1 .1\nv 0 1 .1\nf 1 2 3 4\nv 3 -1 .2\nv 3 1 .2\nv 2 1 .2\n"
+        "v 2 0 .2\nv 0 0 .2\nv 0 -1 .2\nf 5 6 7 8 9 10\n"
+    )
+    heights = ground(tmp_path / "m.obj").heights
+    wanted = np.full((80, 120), 0.1)
+    wanted[:40], wanted[:, 80:] = 0.2, 0.2
+    np.testing.assert_allclose(heights, wanted, atol=1e-6)
+
+
 def test_points_without_triangles_are_refused(tmp_path: Path) -> None:
     head = "ply\nformat ascii 1.0\nelement vertex 3\n"
     axes = "".join(f"property float {axis}\n" for axis in "xyz")

@@ -77,7 +77,7 @@ def test_the_level_that_one_sees_through_is_a_hole(tmp_path: Path, bits: int) ->
     assert np.argwhere(np.isnan(made.heights)).tolist() == [[11, 3]]
 
 
-@pytest.mark.parametrize("suffix", ["jpg", "bmp", "pgm"])
+@pytest.mark.parametrize("suffix", ["jpg", "bmp", "pgm", "ppm", "pnm"])
 def test_other_grey_pictures_are_read_as_well(tmp_path: Path, suffix: str) -> None:
     Image.new("L", (16, 12), 51).save(tmp_path / f"h.{suffix}")
     assert ground(tmp_path / f"h.{suffix}", cell=0.2).heights == pytest.approx(0.2, abs=0.01)

@@ -58,6 +58,24 @@ def test_places_at_the_edges_give_the_cell_and_the_way_up(
     assert made.cell == 0.5
 
 
+@pytest.mark.parametrize("separator", [";", "\t", " "])
+@pytest.mark.parametrize("row", range(4))
+def test_one_decimal_comma_among_whole_numbers_tells_what_all_commas_are(
+    tmp_path: Path, row: int, separator: str
+) -> None:
+    words = [["1", "-2", "3"] for _ in range(4)]
+    words[row][1] = "-2,5"
+    (tmp_path / "h.csv").write_text(lines(words, separator))
+    made = ground(tmp_path / "h.csv", cell=0.5)
+    assert made.heights[:, 1].tolist() == [-2.5 if 3 - k == row else -2.0 for k in range(4)]
+
+
+def test_a_minus_that_is_no_hyphen_is_one(tmp_path: Path) -> None:
+    text = lines(WORDS, ",").replace("0.", "\N{MINUS SIGN}0.")
+    (tmp_path / "h.csv").write_text(text, encoding="utf-8")
+    np.testing.assert_allclose(ground(tmp_path / "h.csv", cell=0.5).heights, -NORTH[::-1])
+
+
 @pytest.mark.parametrize("row", [0, 3])
 @pytest.mark.parametrize("column", [0, 6])
 def test_an_empty_place_is_a_hole_wherever_it_is(tmp_path: Path, row: int, column: int) -> None:
@@ -100,6 +118,7 @@ LISTS = {
     "a further column": points("", more=7.0),
     "surveyors' words": points("Easting,Northing,Elevation"),
     "semicolons and decimal commas": points("x,y,z").replace(",", ";").replace(".", ","),
+    "their number before them": f"{len(PLACES)}\n" + points(""),
     "quoted names": points('"x","y","z"'),
 }
 

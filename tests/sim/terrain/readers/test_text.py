@@ -31,6 +31,13 @@ WILD = {
     "NODATA that is no number": ASCII.replace("-9999", "NaN") + ROWS,
     "edges as GRASS says them": "north: 1.5\nsouth: 0\neast: 2\nwest: 0\nrows: 3\ncols: 4\n" + ROWS,
     "a mark of the byte order": "\ufeff" + ASCII + ROWS,
+    "equals signs without blanks": ASCII.replace(" ", "=") + ROWS,
+    "a header in one line": ASCII.replace("\n", " ") + "\n" + ROWS,
+    "comments behind what is said": ASCII.replace("\n", "   # so\n") + ROWS.replace("\n", " # x\n"),
+    "two keys a line": ASCII.replace("\nnrows", "  NROWS") + ROWS,
+    "decimal commas in the last row alone": ASCII.replace("0.5", "0,5")
+    + ROWS.replace("12", "12,0"),
+    "the grid of Surfer": "DSAA\n4 3\n0.25 1.75\n0.25 1.25\n1 12\n9 10 11 12\n5 6 7 8\n1 2 3 4\n",
 }
 MATRICES = {
     "commas": "1,2.5,3\n4,5,6\n",
@@ -39,6 +46,7 @@ MATRICES = {
     "tabs": "1\t2.5\t3\n4\t5\t6\n",
     "blanks": "1 2.5 3\n4 5 6\n",
     "trailing commas": "1,2.5,3,\n4,5,6,\n",
+    "a comment behind numbers": "1,2.5,3  # the north\n4,5,6\n",
     "Windows ends of lines and a comment": "# heights\r\n1, 2.5, 3\r\n4, 5, 6\r\n",
 }
 
@@ -92,6 +100,12 @@ def test_a_word_for_no_height_is_a_hole(tmp_path: Path, word: str) -> None:
     assert np.argwhere(np.isnan(made.heights)).tolist() == [[2, 0]]
 
 
+def test_what_surfer_writes_for_no_height_is_a_hole(tmp_path: Path) -> None:
+    (tmp_path / "h.grd").write_text("DSAA\n2 2\n0 1\n0 1\n0 1\n0 1.70141e+038\n0.5 1\n")
+    made = ground(tmp_path / "h.grd", nan="hole")
+    assert np.argwhere(np.isnan(made.heights)).tolist() == [[0, 1]] and made.cell == 1.0
+
+
 @pytest.mark.parametrize("corner", [(11.0, 47.0), (0.5, 0.5)])
 def test_a_grid_in_degrees_says_the_cell_in_metres(
     tmp_path: Path, corner: tuple[float, float]
@@ -112,6 +126,9 @@ def test_a_grid_in_degrees_says_the_cell_in_metres(
         ("ncols four\nnrows 3\n" + ROWS, "ncols must be a number, got 'four'"),
         ("ncols 70000\nnrows 70000\n1 2", "70000 x 70000 cells; at most"),
         ("hello 4\n" + ROWS, "unknown header key 'hello'"),
+        ("DSAA\n4 3\n0 1 0 1\n" + ROWS, "a Surfer grid has counts and x, y, z from and to"),
+        ("DSAA\n4 3\n0 1\n0 1\n0 1\n1 2 3\n", "3 x 4 heights are announced, 3 are there"),
+        ("CDF\x01\0\0\0\0", r"text is wanted, and it is binary: it begins with b'CDF\\x01'"),
     ],
 )
 def test_an_ascii_grid_that_is_none_is_refused_with_what_is_wrong(

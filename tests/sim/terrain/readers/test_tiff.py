@@ -1,5 +1,6 @@
 """TIFF and GeoTIFF: any number type, and what the tags say."""
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -123,6 +124,38 @@ def test_rows_that_run_north_are_not_turned_over(tmp_path: Path) -> None:
     made = ground(tmp_path / "h.tif")
     np.testing.assert_array_equal(made.heights, HILL)
     assert made.cell == pytest.approx(0.2)
+
+
+def test_columns_that_run_west_are_turned_over(tmp_path: Path) -> None:
+    matrix = (-0.2, 0, 0, 5e5, 0, 0.2, 0, 4e6, 0, 0, 0, 0, 0, 0, 0, 1)
+    tifffile.imwrite(tmp_path / "h.tif", HILL, extratags=[(34264, 12, 16, matrix, False)])
+    np.testing.assert_array_equal(ground(tmp_path / "h.tif").heights, HILL[:, ::-1])
+
+
+def test_rows_askew_on_the_map_are_refused_with_their_angle(tmp_path: Path) -> None:
+    c, s = 0.2 * math.cos(0.5), 0.2 * math.sin(0.5)
+    matrix = (c, s, 0, 5e5, s, -c, 0, 4e6, 0, 0, 0, 0, 0, 0, 0, 1)
+    tifffile.imwrite(tmp_path / "h.tif", HILL, extratags=[(34264, 12, 16, matrix, False)])
+    with pytest.raises(GroundError, match="rows are turned 28.6 degrees .* turn it north up"):
+        ground(tmp_path / "h.tif")
+
+
+def test_a_palette_of_greys_is_the_greys(tmp_path: Path) -> None:
+    greys = np.tile((255 - np.arange(256)) * 257, (3, 1)).astype(np.uint16)
+    levels = np.arange(192, dtype=np.uint8).reshape(12, 16)
+    tifffile.imwrite(tmp_path / "h.tif", levels, photometric="palette", colormap=greys)
+    made = ground(tmp_path / "h.tif", scale=0.01)
+    np.testing.assert_allclose(made.heights, (255.0 - levels[::-1]) * 0.01)
+
+
+def test_a_file_that_ends_too_early_says_so(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    tifffile.imwrite(tmp_path / "h.tif", HILL)
+    (tmp_path / "h.tif").write_bytes((tmp_path / "h.tif").read_bytes()[:-500])
+    with pytest.raises(GroundError, match="its pixels cannot be read: failed to read 1536 bytes"):
+        ground(tmp_path / "h.tif")
+    assert capfd.readouterr() == ("", "")
 
 
 def test_pixels_in_feet_are_brought_to_metres(tmp_path: Path) -> None:
