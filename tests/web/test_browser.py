@@ -45,7 +45,8 @@ def test_dragging_the_stick_walks_the_machine_and_letting_go_stops_it(
     assert now(address)["body"][:2] == held["body"][:2]
 
 
-def test_no_canvas_of_the_page_waits_for_the_process_that_draws_the_scene(page: Page) -> None:
+def test_no_canvas_of_the_page_waits_for_the_process_that_draws_the_scene(visit: Visit) -> None:
+    page = visit(1440, 900)
     until(page, lambda: page.locator("#chart canvas").count() == 1)
     painted = page.evaluate("""[...document.querySelectorAll("canvas")].map(
       (canvas) => canvas.getContext("2d").getContextAttributes().willReadFrequently)""")

@@ -196,3 +196,25 @@ def test_a_course_is_planned_before_anything_goes_and_ends_at_its_distance(
     page.keyboard.up("Enter")
     until(page, lambda: stands(address) and now(address)["mode"] == "stand")
     assert 0.25 < now(address)["body"][1] - began < 0.7
+
+
+def test_a_click_on_the_ground_says_where_to_and_what_comes_of_it(address: str, page: Page) -> None:
+    page.click("#exact summary")
+    page.click("#course-point")
+    box = page.locator("#view").bounding_box()
+    assert box is not None
+    bare = (box["x"] + 0.36 * box["width"], box["y"] + 0.4 * box["height"])
+
+    def is_answered() -> bool:
+        page.mouse.click(*bare)
+        page.wait_for_timeout(1500)
+        return page.inner_text("#course-answer").startswith("Reached in about ")
+
+    until(page, is_answered)
+    assert page.input_value("#course-distance") != "2.0"
+    assert 0.0 < float(page.input_value("#course-angle")) < 120.0, "to the left of the picture"
+    assert now(address)["distance_m"] == 0.0
+    page.click("#brush-button")
+    until(page, lambda: page.locator("#course-point[aria-pressed=false]").count() == 1)
+    page.click("#brush-button")
+    page.click("#exact summary")

@@ -13,6 +13,7 @@ export class Brushes {
   constructor(scene) {
     this.scene = scene;
     this.bar = div("brushes");
+    this.opens = () => {};
     this.opener = button("brush-button");
     this.brushes = buttons("[data-brush]");
     onPress(this.opener, () => this.toggle());
@@ -31,6 +32,7 @@ export class Brushes {
   }
 
   toggle(open = !this.isOpen) {
+    if (open) this.opens();
     this.bar.hidden = !open;
     this.opener.setAttribute("aria-expanded", String(open));
     this.#take(open ? (saved.brush ?? FIRST) : "");

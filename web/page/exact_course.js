@@ -2,6 +2,7 @@
 // is walked, and it is walked while a button is held, as far as the distance says.
 
 /** @import {Joystick} from "./joystick.js" */
+/** @import {ViserFrame} from "./viser_frame.js" */
 /** @import {Place, Route, SnapshotFrame, StickValue} from "./frames" */
 
 import { ask } from "./api.js";
@@ -10,10 +11,19 @@ import { onPress } from "./press.js";
 import { sentence } from "./readouts.js";
 import { REST } from "./stick_values.js";
 
+const LOOK = 120; // ms between looks where a click has pointed
+
 export class ExactCourse {
-  /** @param {Joystick} stick */
-  constructor(stick) {
+  /**
+   * @param {Joystick} stick
+   * @param {ViserFrame} scene
+   */
+  constructor(stick, scene) {
     this.stick = stick;
+    this.scene = scene;
+    this.pointer = button("course-point");
+    this.pointed = ""; // as the scene last said
+    this.points = () => {}; // somebody begins to point: for who else wants the clicks
     this.angle = input("course-angle");
     this.speed = input("course-speed");
     this.distance = input("course-distance");
@@ -41,6 +51,34 @@ export class ExactCourse {
 
   #crabAngle() {
     return (this.angle.valueAsNumber * Math.PI) / 180;
+  }
+
+  get isPointing() {
+    return this.pointer.getAttribute("aria-pressed") === "true";
+  }
+
+  /** @param {boolean} on whether a click on the ground says where to go */
+  point(on) {
+    if (on === this.isPointing) return;
+    this.pointer.setAttribute("aria-pressed", String(on));
+    if (on) this.points();
+    this.pointed = this.scene.pointed;
+    this.scene.set("Point", on);
+    this.scene.paints(on);
+    write("course-answer", on ? "Click the ground: where to?" : "");
+  }
+
+  #lookWherePointed() {
+    const said = this.isPointing ? this.scene.pointed : this.pointed;
+    if (said === this.pointed || !this.newest || this.isHeld) return;
+    this.pointed = said;
+    const [x, y] = said.split(" ").map(Number);
+    const [bodyX, bodyY, , , , yaw] = this.newest.body;
+    const angle = Math.atan2(y - bodyY, x - bodyX) - yaw;
+    const bearing = (Math.atan2(Math.sin(angle), Math.cos(angle)) * 180) / Math.PI;
+    this.angle.value = bearing.toFixed(1);
+    this.distance.value = Math.hypot(x - bodyX, y - bodyY).toFixed(2);
+    this.#lookAhead();
   }
 
   /** @param {SnapshotFrame} s */
@@ -85,6 +123,8 @@ export class ExactCourse {
 
   #listen() {
     onPress(button("course-ahead"), () => this.#lookAhead());
+    onPress(this.pointer, () => this.point(!this.isPointing));
+    setInterval(() => this.#lookWherePointed(), LOOK);
     this.button.addEventListener("pointerdown", (event) => {
       if (event.button !== 0) return;
       this.button.setPointerCapture(event.pointerId);

@@ -54,11 +54,14 @@ const scene = new ViserFrame();
 const series = new TimeSeries();
 const decisions = new DecisionPanel();
 const stick = new Joystick(drive);
-const course = new ExactCourse(stick);
+const course = new ExactCourse(stick, scene);
 const world = new WorldControls(letGo);
 const postures = new PostureControls(pose);
 const viewMenu = new ViewMenu(scene, series);
 const brushes = new Brushes(scene);
+// one click on the ground, one meaning
+course.points = () => brushes.toggle(false);
+brushes.opens = () => course.point(false);
 
 // driving
 

@@ -51,6 +51,15 @@ export class ViserFrame {
     this.#document?.documentElement.classList.toggle("paints", on);
   }
 
+  /** Where the last click on the ground pointed, as "x y" in m; "" before any. */
+  get pointed() {
+    const boxes = this.#document?.querySelectorAll("input:not([type])") ?? [];
+    for (const box of /** @type {Iterable<HTMLInputElement>} */ (boxes)) {
+      if (labelOf(box) === "Pointed") return box.value;
+    }
+    return "";
+  }
+
   /** Bring the camera back to its first look. */
   home() {
     for (const button of this.#document?.querySelectorAll("button") ?? []) {

@@ -13,6 +13,7 @@ from collections.abc import Callable
 
 import viser
 
+from walking_console.planner.geometry.transforms import XY
 from walking_console.planner.robot.model import Machine
 from walking_console.sim.snapshot import Snapshot
 
@@ -32,7 +33,7 @@ from .sky import DUSK, hang
 from .terrain_tiles import TerrainTiles
 from .trails import Trails
 from .types import Change, Floats
-from .viewer import CAMERA, LAYERS, LOOK_AT, UP, Viewer
+from .viewer import CAMERA, LAYERS, LOOK_AT, POINT, UP, Viewer
 
 OVERLAYS: tuple[OverlayMaker, ...] = (
     StabilityOverlay,
@@ -115,7 +116,7 @@ class Scene:
 
     def _welcome(self, client: viser.ClientHandle) -> None:
         viewer = self._viewers[client.client_id] = Viewer(
-            client, self._paint, self.terrain.floor_at
+            client, self._touch, self.terrain.floor_at
         )
         if self._machine is not None:
             viewer.look_at_machine(_size(self._machine))
@@ -123,11 +124,14 @@ class Scene:
     def _farewell(self, client: viser.ClientHandle) -> None:
         self._viewers.pop(client.client_id, None)
 
-    def _paint(self, brush: str, origin: Floats, direction: Floats, radius: float) -> None:
-        """A click with a brush, as a ray in the world: on to whoever changes the ground."""
+    def _touch(self, brush: str, origin: Floats, direction: Floats, radius: float) -> XY | None:
+        """A click, as a ray in the world: where it meets the ground; with a brush on to whoever
+        changes the ground.
+        """
         place = self.terrain.hit(origin, direction)
-        if place is not None:
+        if place is not None and brush != POINT:
             self.on_paint(brush, *place, radius)
+        return place
 
 
 def _size(machine: Machine) -> float:

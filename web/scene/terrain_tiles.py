@@ -8,12 +8,11 @@ from collections.abc import Collection
 import numpy as np
 import viser
 
+from walking_console.planner.geometry.transforms import XY
 from walking_console.sim.snapshot import TerrainView
 
 from .terrain import TerrainMesh, Tile, floor
 from .types import Floats
-
-XY = tuple[float, float]
 
 RAY_STEP = 0.02  # m along a click's ray between looks at the ground
 RAY_MAX = 40.0  # m

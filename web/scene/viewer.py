@@ -11,8 +11,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import viser
 
-from walking_console.planner.geometry.transforms import direction, turned, turned_back
+from walking_console.planner.geometry.transforms import XY, direction, turned, turned_back
 
+from .palette import WARN, for_scene
 from .sky import DAY, DUSK, hang
 from .types import Floats
 
@@ -57,24 +58,29 @@ LAYERS = {  # label of the switch: folder under /world
 }
 HIDDEN_AT_FIRST = ("Reach",)
 BRUSHES = ("dig", "raise", "lower", "forbid", "clear")
+POINT = "point"  # in place of a brush: a click chooses a place to go to
+PIN = 0.35  # m, how high the pin stands there
+PIN_RADIUS = 0.02  # m
 BRUSH = 0.12  # m, radius
 WIDE_BRUSH = 0.35  # m
 
 CLEARANCE = 0.15  # m the camera stays above the ground; less: its near edge cuts through slopes
 
 GroundAt = Callable[[float, float], float]  # height of the ground under x, y in the world, m
-PaintRay = Callable[[str, Floats, Floats, float], None]  # brush, ray origin, ray direction, radius
+# brush, ray origin, ray direction, radius: where that meets the ground
+TouchRay = Callable[[str, Floats, Floats, float], XY | None]
 
 
 class Viewer:
     """One client of the scene, with switches and nodes of its own."""
 
-    def __init__(self, client: viser.ClientHandle, paint: PaintRay, ground_at: GroundAt) -> None:
+    def __init__(self, client: viser.ClientHandle, touch: TouchRay, ground_at: GroundAt) -> None:
         self.client = client
-        self.paint = paint
+        self.touch = touch
         self.ground_at = ground_at
         self.brush = ""
         self.radius = BRUSH
+        self._pin: viser.CylinderHandle | None = None
         self.shot = SHOTS[FIRST_SHOT]
         self.turn = 0.0  # rad, of the world under the camera
         self._moves = 0
@@ -98,6 +104,8 @@ class Viewer:
                 self._show(label, False)
         for brush in BRUSHES:
             gui.add_checkbox(f"Paint {brush}", False).on_update(self._brush_switch(brush))
+        gui.add_checkbox("Point", False).on_update(self._brush_switch(POINT))
+        self.pointed = gui.add_text("Pointed", "")  # the page reads it
         gui.add_checkbox("Light", False).on_update(self._change_sky)
         gui.add_checkbox("Wide brush", False).on_update(self._widen)
         gui.add_button("Home").on_click(lambda _: self.go_home())
@@ -130,7 +138,9 @@ class Viewer:
         self.layers[label].visible = shown
 
     def _brush_switch(self, brush: str) -> Callable[[Any], None]:
-        """A brush in hand makes clicks paint; with none the scene is not asked for clicks."""
+        """A brush in hand makes clicks paint, or point; with none the scene is not asked for
+        clicks.
+        """
 
         def take(event: Any) -> None:
             held = self.brush
@@ -142,6 +152,9 @@ class Viewer:
                 self.client.scene.on_click()(self._click)
             elif held and not self.brush:
                 self.client.scene.remove_click_callback()
+            if self.brush != POINT and self._pin is not None:
+                self._pin.remove()
+                self._pin = None
 
         return take
 
@@ -152,7 +165,17 @@ class Viewer:
         if self.brush:
             ray = np.array(event.ray_direction)
             moved = np.array(event.ray_origin) - self.world.position
-            self.paint(self.brush, self._unturned(moved), self._unturned(ray), self.radius)
+            place = self.touch(self.brush, self._unturned(moved), self._unturned(ray), self.radius)
+            if self.brush == POINT and place is not None:
+                self._point_at(*place)
+
+    def _point_at(self, x: float, y: float) -> None:
+        """Put the pin there, and leave the place for the page."""
+        z = self.ground_at(x, y)
+        self._pin = self.client.scene.add_cylinder(
+            "/world/pin", PIN_RADIUS, PIN, color=for_scene(WARN), position=(x, y, z + PIN / 2)
+        )
+        self.pointed.value = f"{x:.3f} {y:.3f}"  # type: ignore[misc]
 
     def _unturned(self, vector: Floats) -> Floats:
         """A vector before the camera in the world's axes."""

@@ -10,6 +10,7 @@ import viser
 from tests.web.scene.snapshots import level, preview, standing, stepping
 from walking_console.planner.types import Command, Mode
 from walking_console.web.scene.scene import Scene
+from walking_console.web.scene.viewer import POINT
 
 
 @pytest.fixture
@@ -95,7 +96,9 @@ def test_a_click_with_a_brush_is_passed_on_as_a_place_on_the_ground(scene: Scene
     scene.draw(standing())
     scene.on_paint = lambda *touch: touched.append(touch)
     above = np.array((0.0, 0.0, 2.0))
-    scene._paint("dig", above, np.array((1.0, 0.5, -2.0)), 0.12)
-    scene._paint("dig", above, np.array((0.0, 0.0, 1.0)), 0.12)  # into the sky
+    place = scene._touch("dig", above, np.array((1.0, 0.5, -2.0)), 0.12)
+    assert place == pytest.approx((1.0, 0.5), abs=0.02)
+    assert scene._touch("dig", above, np.array((0.0, 0.0, 1.0)), 0.12) is None  # into the sky
+    assert scene._touch(POINT, above, np.array((1.0, 0.5, -2.0)), 0.12) == place
     assert [(brush, radius) for brush, _, _, radius in touched] == [("dig", 0.12)]
     assert touched[0][1:3] == pytest.approx((1.0, 0.5), abs=0.02)

@@ -19,6 +19,7 @@ from walking_console.web.scene.viewer import (
     LAYERS,
     LOOK_AT,
     LOOKS_EVERY,
+    PIN,
     SHOTS,
     SIZE,
     WIDE_BRUSH,
@@ -64,7 +65,12 @@ def touches() -> list[Touch]:
 def viewer(server: viser.ViserServer, touches: list[Touch]) -> Viewer:
     server.gui.reset()
     client: Any = Client(server, 1.6)
-    return Viewer(client, lambda *touch: touches.append(touch), lambda x, y: 0.2 * x)
+
+    def touch(*words: Any) -> tuple[float, float]:
+        touches.append(words)
+        return (0.5, 0.25)
+
+    return Viewer(client, touch, lambda x, y: 0.2 * x)
 
 
 def switch(viewer: Viewer, label: str, on: bool) -> None:
@@ -196,6 +202,17 @@ def test_without_a_brush_clicks_are_not_asked_for_and_paint_nothing(
     assert client.clicks == 0
     click(viewer)
     assert touches == []
+
+
+def test_pointing_leaves_the_place_and_a_pin_which_goes_with_it(viewer: Viewer) -> None:
+    client: Any = viewer.client
+    switch(viewer, "Point", True)
+    assert client.clicks == 1 and viewer.pointed.value == ""
+    click(viewer)
+    assert viewer.pointed.value == "0.500 0.250"
+    assert viewer._pin is not None and viewer._pin.position[2] == pytest.approx(0.1 + PIN / 2)
+    switch(viewer, "Point", False)
+    assert client.clicks == 0 and viewer._pin is None
 
 
 def test_the_first_look_is_the_same_for_wide_windows_and_farther_off_for_narrow_ones(
