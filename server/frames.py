@@ -242,6 +242,7 @@ class HelloFrame(BaseModel):
     tick_s: float
     speed_limit_m_s: float = SPEED_MAX
     turn_rate_limit_rad_s: float = TURN_RATE_MAX
+    watches: bool = Field(False, description="this link may watch and stop, and nothing else")
     style: StyleFrame
 
 

@@ -50,6 +50,7 @@ PASSED = (
     _messages.SceneNodeClickMessage,
     _messages.GuiUpdateMessage,
 )
+OWN = (_messages.ViewerCameraMessage,)  # of one that only watches, beside its switches
 # others can run foreign script
 QUERY_KEYS = frozenset({"darkMode", "showStats", "fixedDpr", "hideViserLogo", "logCamera"})
 
@@ -208,7 +209,7 @@ class Allowance:
 
 def may_pass(frame: bytes, *, watches: bool = False) -> bool:
     """True for what a viewer may say: where its camera is, what it clicked, the value of a switch;
-    of one that only watches the first alone.
+    of one that only watches the first and the last, which are its own.
     """
     if len(frame) > CANVAS_FRAME_MAX:
         return False
@@ -217,15 +218,13 @@ def may_pass(frame: bytes, *, watches: bool = False) -> bool:
     # anything at all can be wrong with a frame; none of it may reach viser's loop
     except Exception:
         return False
-    if watches:
-        return type(message) is _messages.ViewerCameraMessage
     if isinstance(message, _messages.GuiUpdateMessage):
         return (
             isinstance(message.updates, dict)
             and set(message.updates) == {"value"}
             and isinstance(message.uuid, str)
         )
-    return type(message) in PASSED
+    return type(message) in (OWN if watches else PASSED)
 
 
 class ViserBridge:

@@ -116,6 +116,7 @@ class DriveSocket:
             started=self._state.start_name,
             dead_man_s=DEAD_MAN,
             tick_s=TICK,
+            watches=self._session.watches,
             style=style_frame(self._machine),
         )
         await self._socket.send_text(hello.model_dump_json())

@@ -166,9 +166,9 @@ def test_what_a_viewer_says_passes(message: object) -> None:
     assert may_pass(PACK(message))
 
 
-def test_of_one_that_only_watches_nothing_but_its_camera_passes() -> None:
+def test_of_one_that_only_watches_its_camera_and_its_own_switches_pass() -> None:
     passed = [message["type"] for message in HARMLESS if may_pass(PACK(message), watches=True)]
-    assert set(passed) == {"ViewerCameraMessage"}
+    assert set(passed) == {"ViewerCameraMessage", "GuiUpdateMessage"}
 
 
 @pytest.mark.parametrize("message", HARMFUL, ids=lambda message: str(message)[:50])

@@ -1,5 +1,6 @@
 """The console in a real browser: opened once for all tests, and on a phone."""
 
+import contextlib
 import os
 import subprocess
 import sys
@@ -28,18 +29,15 @@ def served(
     tmp_path_factory: pytest.TempPathFactory,
 ) -> Iterator[tuple[str, "subprocess.Popen[str]"]]:
     """A console of its own: its address and its process."""
-    words = [
-        sys.executable,
-        "-m",
-        "walking_console",
-        "serve",
-        "--port",
-        "0",
-        "--no-open",
-        "--scenario",
-        "flat",
-    ]
-    data = tmp_path_factory.mktemp("served")
+    with serving(tmp_path_factory.mktemp("served")) as found:
+        yield found
+
+
+@contextlib.contextmanager
+def serving(data: Path, *options: str) -> Iterator[tuple[str, "subprocess.Popen[str]"]]:
+    """A console with these options and a folder of its own: its address and its process."""
+    asked = "-m walking_console serve --port 0 --no-open --scenario flat"
+    words = [sys.executable, *asked.split(), *options]
     environment = {**os.environ, "PYTHONPATH": str(Path(__file__).resolve().parents[2])}
     server = subprocess.Popen(
         words,

@@ -28,6 +28,7 @@ export interface HelloFrame {
   lease_id: string;
   started: string;
   dead_man_s: number;
+  watches: boolean;
   style: Style;
 }
 

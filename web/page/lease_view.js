@@ -14,12 +14,13 @@ const PROGRAM = "rest"; // who drives while a REST command lives
 /**
  * @param {Omit<LeaseFrame, "type">} lease
  * @param {string} ours the name of this page's socket
+ * @param {boolean} watches whether it may watch and stop, not drive
  */
-export function showLease(lease, ours) {
+export function showLease(lease, ours, watches) {
   const { held, holder, stopped } = lease;
-  write("lease", words(lease));
+  write("lease", watches ? `you watch · ${watched(lease)}` : words(lease));
   div("lease").dataset.state = tone(lease);
-  button("take").hidden = held || !holder || holder === PROGRAM || holder === ours;
+  button("take").hidden = watches || held || !holder || holder === PROGRAM || holder === ours;
   const stop = button("stop");
   stop.classList.toggle("stopped", stopped);
   stop.setAttribute("aria-pressed", String(stopped));
@@ -34,6 +35,11 @@ function words({ held, holder, holder_title, stopped }) {
   if (held) return "you drive";
   if (!holder) return "free to drive";
   return `${holder_title ?? holder} drives`;
+}
+
+/** @param {Omit<LeaseFrame, "type">} lease */
+function watched(lease) {
+  return lease.stopped || lease.holder ? words(lease) : "nobody drives";
 }
 
 /** @param {Omit<LeaseFrame, "type">} lease */

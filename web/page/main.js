@@ -2,7 +2,7 @@
 // them.
 
 /**
- * @import {Command, DropReason, HelloFrame, LinkState, Posture, ServerFrame, SnapshotFrame,
+ * @import {Command, DropReason, HelloFrame, LinkState, Posture, RefusedFrame, ServerFrame, SnapshotFrame,
  *   StickValue} from "./frames"
  */
 
@@ -47,6 +47,7 @@ let ours = ""; // this page's name in the lease
 let greeted = ""; // the server's start, as it last said
 let seen = false; // a first picture has come
 let linked = false;
+let watches = false; // this page's link may watch and stop, not drive
 let stoppedAt = -Infinity; // ms, by this page
 
 const link = new DriveLink({ link: linkChanged, health: showHealth, dropped, frame: hear });
@@ -238,9 +239,9 @@ function hear(frame) {
       return takeStyle(frame);
     case "lease":
       lease = frame;
-      return showLease(lease, ours);
+      return showLease(lease, ours, watches);
     case "refused":
-      return hearRefusal(refusalText(frame.code, frame.reason));
+      return hearRefusal(frame);
     case "decision":
       return decisions.show(frame);
     case "ahead":
@@ -254,13 +255,19 @@ function hear(frame) {
 function hearHello(frame) {
   ours = frame.lease_id;
   goBy(ours);
+  watches = frame.watches;
+  document.body.classList.toggle("watches", watches);
+  world.watch(watches);
+  showLease(lease, ours, watches);
   takeStyle(frame.style);
   if (greeted && greeted !== frame.started) say("The console was restarted: the machine stands at the start.");
   greeted = frame.started;
 }
 
-/** @param {string} text */
-function hearRefusal(text) {
+/** @param {RefusedFrame} frame */
+function hearRefusal({ code, reason }) {
+  if (code === "not_shown" && !stick.isHeld) return; // a last frame of the world before
+  const text = refusalText(code, reason);
   if (text) say(text);
 }
 
@@ -271,7 +278,7 @@ function hearRefusal(text) {
 function playAtFirst(s) {
   seen = true;
   const fresh = s.step === 0 && s.mode === "stand" && s.posture === "stand" && !s.paused;
-  if (new URLSearchParams(location.search).has("stand")) return;
+  if (watches || new URLSearchParams(location.search).has("stand")) return;
   if (fresh && !s.stopped && !s.playing && !lease.holder) world.play();
 }
 
@@ -285,7 +292,7 @@ function hearSnapshot(s) {
   div("turn-control").hidden = div("turn-stick").hidden = !s.may_turn;
   if (s.stopped !== lease.stopped) {
     lease = { ...lease, stopped: s.stopped };
-    showLease(lease, ours);
+    showLease(lease, ours, watches);
   }
   if (!seen) playAtFirst(s);
   speakOf(s);
@@ -322,4 +329,4 @@ listenToKeys(stick, {
   rate: (rate) => world.setRate(rate),
   shortcuts: SHORTCUTS,
 });
-showLease(lease, ours);
+showLease(lease, ours, watches);

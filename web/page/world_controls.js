@@ -61,6 +61,11 @@ export class WorldControls {
     if (this.newest?.paused) this.#post("advance", { ticks: ADVANCE_TICKS });
   }
 
+  /** @param {boolean} only whether this page may watch and no more */
+  watch(only) {
+    for (const list of [this.scenario, this.robot, this.mode]) list.disabled = only;
+  }
+
   /** Walk by the scenario's own timeline, from its start. */
   play() {
     this.letGo();
