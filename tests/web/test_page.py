@@ -52,5 +52,5 @@ def test_every_script_is_used() -> None:
     pages = (PAGE.parents[1] / "server" / "replay_page.py").read_text("utf-8")
     imported = {"main.js", "drive-worker.js", *re.findall(r'"([\w-]+\.js)"', pages)}
     for script in SCRIPTS:
-        imported |= set(re.findall(r'from "\./([\w-]+\.js)"', script.read_text("utf-8")))
+        imported |= set(re.findall(r'(?:from|import) "\./([\w-]+\.js)"', script.read_text("utf-8")))
     assert {script.name for script in SCRIPTS} == imported
