@@ -157,11 +157,12 @@ class RealtimeLoop:
 
     def set_rate(self, rate: float) -> None:
         """0.1 to 8 times real time, else ``ValueError``. A held command must be given again: its
-        ticks were counted at the old rate.
+        ticks were counted at the old rate. A timeline walks on.
         """
         if self.pace.set_rate(rate):
             self._changed = True
-            self.order(HOLD)
+            if not self.playing:
+                self.order(HOLD)
 
     # figures, for any thread
 

@@ -214,7 +214,8 @@ async def pause(state: ConsoleState) -> JSONResponse:
 async def resume(state: ConsoleState) -> JSONResponse:
     """Let simulated time go on; whoever drove must let go of the stick first."""
     loop = state.loop
-    state.lease.hold()
+    if not loop.playing:
+        state.lease.hold()
     loop.resume()
     await state.until(lambda: not loop.newest.paused or loop.fault, SWITCH_TIME)
     return _snapshot(state)
@@ -234,9 +235,10 @@ async def advance(body: AdvanceBody, state: ConsoleState) -> JSONResponse:
 
 @router.post("/rate", dependencies=CHANGING)
 async def rate(body: RateBody, state: ConsoleState) -> dict[str, Any]:
-    """0.1 to 8 times real time; a held command must be given again."""
+    """0.1 to 8 times real time; a held command must be given again, a timeline walks on."""
     if body.rate != state.loop.pace.rate:
-        state.lease.hold()
+        if not state.loop.playing:
+            state.lease.hold()
         state.loop.set_rate(body.rate)
     return {"rate": body.rate}
 

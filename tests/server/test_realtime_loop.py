@@ -235,13 +235,27 @@ def test_a_timeline_is_played_from_the_start_until_somebody_drives(loop: Realtim
     assert not loop.playing and loop.newest.command.holds
 
 
+def test_a_timeline_walks_on_at_another_rate_and_after_a_pause(loop: RealtimeLoop) -> None:
+    loop.play()
+    loop.set_rate(2)
+    loop.tick()
+    loop.set_rate(4)
+    loop.tick()
+    loop.pause()
+    loop.tick()
+    paused = loop.newest.tick
+    loop.resume()
+    for _ in range(20):
+        loop.tick()
+    assert loop.playing and loop.newest.tick == paused + 80
+    assert loop.newest.command.speed > 0.0
+
+
 def test_a_timeline_that_has_ended_holds_and_says_what_came_of_the_expected(
     loop: RealtimeLoop,
 ) -> None:
     loop.play()
     loop.set_rate(8)
-    loop.tick()
-    loop.play()
     while loop.player is None or loop.player.ending is None:
         loop.tick()
     loop.tick()

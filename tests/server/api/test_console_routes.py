@@ -203,6 +203,25 @@ def test_the_rate_changes_and_shows(client: TestClient, loop: RealtimeLoop) -> N
     assert client.get("/api/v1/console").json()["rate"] == 4.0
 
 
+def test_a_timeline_is_played_on_at_another_rate_and_after_a_pause(
+    client: TestClient, loop: RealtimeLoop
+) -> None:
+    loop.play()
+    loop.tick()
+    client.post("/api/v1/console/rate", json={"rate": 4.0}).raise_for_status()
+    loop.tick()
+    for switch in ("pause", "resume"):
+        client.post(f"/api/v1/console/{switch}").raise_for_status()
+        loop.tick()
+    for _ in range(20):
+        loop.tick()
+    played = client.get("/api/v1/console").json()
+    assert played["playing"] and played["rate"] == 4.0 and played["distance_m"] > 0.0
+    client.put("/api/v1/console/command", json=COMMAND).raise_for_status()
+    loop.tick()
+    assert not client.get("/api/v1/console").json()["playing"]
+
+
 def test_the_world_last_loaded_is_kept_for_a_restart(client: TestClient, tmp_path: Path) -> None:
     client.put("/api/v1/console/scenario", json={"name": "stairs-up"})
     disk = client.app.state.console.kept_world._disk  # type: ignore[attr-defined]
