@@ -1,16 +1,18 @@
-"""The keys of scenario files as tables in Markdown, made from the models that check them.
+"""The keys of scenario and robot files as tables in Markdown, made from what checks them.
 
-``python -m walking_console.sim.format_tables`` prints what stands in ``docs/scenarios.md`` between
-its marks. What a key means is its description, else the comment beside or above it in the source.
+``python -m walking_console.sim.format_tables`` prints what stands in ``docs/scenarios.md``, with
+the word ``robots`` what stands in ``docs/robots.md``. What a key of a scenario means is its
+description, else the comment beside or above it in the source.
 """
 
 from __future__ import annotations
 
 import inspect
 import re
+import sys
 import types
 import typing
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import fields
 from typing import Any, Literal, Union, get_args, get_origin
 
@@ -18,6 +20,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from walking_console.planner.config import DEFAULT, WORDS
+from walking_console.planner.robot.card_keys import CARD_TABLES, CardKey
 
 from .range_sensor import EyeSettings
 from .scenario import Scenario
@@ -46,6 +49,22 @@ def format_tables() -> str:
     parts += [_table(f"`[terrain]` of kind `{name}`", each) for name, each in KINDS.items()]
     parts += [_theme(theme.name, getattr(DEFAULT, theme.name)) for theme in fields(DEFAULT)]
     return "\n\n".join(parts) + "\n"
+
+
+def robot_tables() -> str:
+    """Every table of a robot card, as Markdown."""
+    parts = [_card_table(title, about, keys.values()) for title, about, keys in CARD_TABLES]
+    return "\n\n".join(parts) + "\n"
+
+
+def _card_table(title: str, about: str, keys: Iterable[CardKey]) -> str:
+    head = "| key | is | unit | default | meaning |\n|---|---|---|---|---|"
+    rows = [
+        f"| `{key.name}` | {', '.join(filter(None, (key.shape, key.limits)))} | {key.unit} | "
+        f"{key.default} | {key.meaning} |"
+        for key in keys
+    ]
+    return "\n".join((f"### {title}", "", about, "", head, *rows))
 
 
 def _members(union: Any) -> Iterator[type[BaseModel]]:
@@ -168,4 +187,4 @@ def _default(field: FieldInfo) -> str:
 
 
 if __name__ == "__main__":
-    print(format_tables(), end="")
+    print(robot_tables() if "robots" in sys.argv[1:] else format_tables(), end="")

@@ -6,10 +6,19 @@ Every reader appends what is wrong to ``faults`` and goes on, so that a refusal 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from ..geometry.transforms import Point
+from .card_keys import (
+    CHAIN_KEYS,
+    JOINT_KEYS,
+    LENGTH_MAX,
+    LINK_MIN,
+    MASS_KEYS,
+    NUMBER_MAX,
+    CardKey,
+)
 from .chains import (
     JOINTS,
     NOWHERE,
@@ -23,16 +32,10 @@ from .chains import (
     slides_chain,
 )
 
-NUMBER_MAX = 1e6
-LENGTH_MAX = 10.0  # m: beyond it maps and searches outgrow memory, and nothing walks
-LINK_MIN = 1e-3  # m
 ANGLE_MAX = 2.0 * math.pi
 MASS_SLACK = 0.01  # share of the mass by which torso and legs may differ from it
 
-CHAIN_KEYS = ("kind", "links", "joints", "limits", "speed", "torque", "facing")
 KINDS = ("slides", "insect", "mammal", "serial")
-JOINT_KEYS = ("axis", "offset", "slides")
-MASS_KEYS = ("torso", "links", "centre")
 
 
 def shown(value: Any) -> str:
@@ -46,11 +49,11 @@ def shown(value: Any) -> str:
         )
 
 
-def word(data: Mapping[str, Any], key: str, faults: list[str]) -> str:
+def word(data: Mapping[str, Any], key: str, faults: list[str], where: str = "") -> str:
     """The text under a key, 1 to 500 characters."""
     value = data.get(key)
     if not isinstance(value, str) or not value.strip() or len(value) > 500:
-        faults.append(f"{key} must be a text of 1 to 500 characters, got {shown(value)}")
+        faults.append(f"{where}{key} must be a text of 1 to 500 characters, got {shown(value)}")
         return ""
     return value
 
@@ -83,8 +86,26 @@ def triple(value: Any, key: str, faults: list[str]) -> Point:
     return a, b, c
 
 
+def admitted_number(value: Any, key: CardKey, faults: list[str], where: str = "") -> float:
+    """A number within the limits of its key."""
+    found = len(faults)
+    read = number(value, f"{where}{key.name}", faults)
+    if len(faults) == found:
+        faults.extend(filter(None, [key.fault(read, where)]))
+    return read
+
+
+def admitted_triple(value: Any, key: CardKey, faults: list[str], where: str = "") -> Point:
+    """Three numbers within the limits of their key."""
+    found = len(faults)
+    read = triple(value, f"{where}{key.name}", faults)
+    if len(faults) == found:
+        faults.extend(filter(None, [key.fault(read, where)]))
+    return read
+
+
 def unknown_keys(
-    data: Mapping[str, Any], known: tuple[str, ...], where: str, faults: list[str]
+    data: Mapping[str, Any], known: Iterable[str], where: str, faults: list[str]
 ) -> None:
     """Names every key that is not known, and the known ones."""
     for key in data:
@@ -122,8 +143,8 @@ def _drives(data: Mapping[str, Any], where: str, faults: list[str]) -> Drives:
         faults.append(f"{where} limits must be {JOINTS} pairs [low, high], got {shown(spans)}")
         spans = [[0.0, 1.0]] * JOINTS
     a, b, c = (_span(span, f"{where} limits[{i}]", faults) for i, span in enumerate(spans))
-    speed = _positive(data.get("speed"), f"{where} speed", faults)
-    torque = _positive(data.get("torque"), f"{where} torque", faults)
+    speed = admitted_triple(data.get("speed"), CHAIN_KEYS["speed"], faults, f"{where} ")
+    torque = admitted_triple(data.get("torque"), CHAIN_KEYS["torque"], faults, f"{where} ")
     return Drives((a, b, c), speed, torque)
 
 
@@ -136,14 +157,6 @@ def _span(value: Any, key: str, faults: list[str]) -> JointSpan:
             f"got {shown(value)}"
         )
     return low, high
-
-
-def _positive(value: Any, key: str, faults: list[str]) -> Point:
-    found = len(faults)
-    three = triple(value, key, faults)
-    if len(faults) == found and not all(part > 0.0 for part in three):
-        faults.append(f"{key} must be positive, got {shown(value)}")
-    return three
 
 
 def _links(value: Any, where: str, faults: list[str], first: bool) -> Point:
@@ -220,26 +233,22 @@ def masses_from(value: Any, faults: list[str]) -> Masses | None:
         faults.append(f"masses must be a table with {', '.join(MASS_KEYS)}, got {shown(value)}")
         return None
     unknown_keys(value, MASS_KEYS, " in masses", faults)
-    torso = number(value.get("torso"), "masses torso", faults)
-    links = triple(value.get("links"), "masses links", faults)
-    centre = triple(value.get("centre", [0.0, 0.0, 0.0]), "masses centre", faults)
+    keys = MASS_KEYS
+    torso = admitted_number(value.get("torso"), keys["torso"], faults, "masses ")
+    links = admitted_triple(value.get("links"), keys["links"], faults, "masses ")
+    centre = admitted_triple(
+        value.get("centre", [0.0, 0.0, 0.0]), keys["centre"], faults, "masses "
+    )
     return Masses(torso, links, centre)
 
 
 def check_masses(masses: Masses, mass: float, legs: int, faults: list[str]) -> None:
-    """Torso and legs must weigh something, and together what the machine weighs."""
-    if not (masses.torso > 0.0 and all(link >= 0.0 for link in masses.links)):
-        faults.append(
-            f"masses must be a positive torso and links that are not negative, got "
-            f"{masses.torso:g} and {list(masses.links)}"
-        )
+    """Torso and legs must together weigh what the machine weighs."""
     whole = masses.torso + legs * masses.leg
     if abs(whole - mass) > MASS_SLACK * mass:
         faults.append(
             f"masses must add up to the mass {mass:g} kg, got {whole:g} kg of torso and {legs} legs"
         )
-    if max(abs(part) for part in masses.centre) > LENGTH_MAX:
-        faults.append(f"masses centre must be within {LENGTH_MAX:g} m, got {list(masses.centre)}")
 
 
 def masses_data(masses: Masses) -> dict[str, Any]:

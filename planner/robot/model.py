@@ -16,32 +16,39 @@ from ..geometry.paths import Box
 from ..geometry.transforms import left_fold_sum
 from ..types import Gait
 from .card import (
-    LENGTH_MAX,
+    admitted_number,
+    admitted_triple,
     chain_data,
     chain_from,
     check_masses,
     masses_data,
     masses_from,
-    number,
     numbers,
     shown,
-    triple,
     unknown_keys,
     word,
 )
+from .card_keys import (
+    LEG_KEYS,
+    LENGTH_MAX,
+    NUMBER,
+    ROBOT_KEYS,
+    TEXT,
+    TRIPLE,
+    of_shape,
+)
+from .card_keys import LEGS_MAX as LEGS_MAX
+from .card_keys import LEGS_MIN as LEGS_MIN
 from .chains import Drives, JointSpan, LegChain, Masses, slides_chain
 from .quadrants import mirrored_part
 from .toml_files import TomlFileError, is_file, names_toml_file, parse_toml, read_toml
 from .workspace import fitted_box, out_of_reach
 
 GRAVITY = 9.81  # m/s²
-LEGS_MIN = 4
-LEGS_MAX = 8
 # of the mass, what all legs weigh together where the card does not say: an estimate
 LEGS_SHARE = 0.12
 # of a leg's mass, in hip link, upper and lower; of slides all goes with the foot
 LINK_SHARES = (0.25, 0.45, 0.30)
-FOOT_MAX = 0.5  # m
 CRAB_LEGS = 4
 LEAST_BOX = 0.02  # m; a box the crab planner cannot take a step in
 # m, of a leg's reach, mean of length and width: what lengths in metres were chosen for
@@ -236,20 +243,9 @@ class Machine:
         return max(leg.z[0] for leg in self.legs), min(leg.z[1] for leg in self.legs)
 
 
-_NUMBERS = (
-    "mass",
-    "height",
-    "foot_radius",
-    "friction",
-    "yaw_length",
-    "duty_factor",
-    "lift_up",
-    "lift_down",
-)
-_TRIPLES = ("torso", "speed", "overreach")
-_WORDS = ("name", "title", "source")
-_KNOWN = (*_WORDS, *_NUMBERS, *_TRIPLES, "chain", "masses", "legs")
-_LEG_KEYS = ("name", "x", "y", "z", "hip", "chain")
+_NUMBERS = of_shape(ROBOT_KEYS, NUMBER)
+_TRIPLES = of_shape(ROBOT_KEYS, TRIPLE)
+_WORDS = of_shape(ROBOT_KEYS, TEXT)
 
 
 def _mean_span(legs: Sequence[Leg]) -> float:
@@ -314,20 +310,27 @@ def machine_from(data: Mapping[str, Any]) -> Machine:
     reason.
     """
     faults: list[str] = []
-    unknown_keys(data, _KNOWN, "", faults)
+    unknown_keys(data, ROBOT_KEYS, "", faults)
     words = {key: word(data, key, faults) for key in _WORDS}
-    values = {key: number(data.get(key), key, faults) for key in _NUMBERS}
-    triples = {key: triple(data.get(key), key, faults) for key in _TRIPLES}
-    tables = _leg_tables(data.get("legs"), faults)
-    chains = _chains(data.get("chain"), tables, faults)
-    legs = _legs(tables, chains, faults)
-    masses = masses_from(data.get("masses"), faults)
-    if not faults:
-        _check_numbers(values, triples, faults)
-        _check_stance(legs, values, faults)
-        _check_reach(legs, chains, faults)
-        if masses is not None:
-            check_masses(masses, values["mass"], len(legs), faults)
+    wrong: list[str] = []  # of numbers
+    values = {key: admitted_number(data.get(key), ROBOT_KEYS[key], wrong) for key in _NUMBERS}
+    triples = {key: admitted_triple(data.get(key), ROBOT_KEYS[key], wrong) for key in _TRIPLES}
+    unfit: list[str] = []  # of legs
+    tables = _leg_tables(data.get("legs"), unfit)
+    chains = _chains(data.get("chain"), tables, unfit)
+    legs = _legs(tables, chains, unfit)
+    if not unfit:
+        _check_stance(legs, unfit)
+        _check_reach(legs, chains, unfit)
+    heavy: list[str] = []  # of masses
+    masses = masses_from(data.get("masses"), heavy)
+    if not wrong:
+        _check_lifts(values, wrong)
+    if not (wrong or unfit):
+        _check_height(legs, values["height"], unfit)
+    if masses is not None and tables and not (wrong or heavy):
+        check_masses(masses, values["mass"], len(tables), heavy)
+    faults += [*wrong, *unfit, *heavy]
     if faults:
         name = words["name"] or "?"
         raise MachineError(f"robot {name} cannot be used: " + "; ".join(faults), faults)
@@ -358,21 +361,26 @@ def _leg_tables(value: Any, faults: list[str]) -> list[Mapping[str, Any]]:
         return []
     for index, item in enumerate(value, 1):
         if not isinstance(item, Mapping):
-            faults.append(f"leg {index} must be a table with {', '.join(_LEG_KEYS)}")
+            faults.append(f"leg {index} must be a table with {', '.join(LEG_KEYS)}")
         else:
-            unknown_keys(item, _LEG_KEYS, f" in leg {index}", faults)
+            unknown_keys(item, LEG_KEYS, f" in leg {index}", faults)
     return [item for item in value if isinstance(item, Mapping)]
 
 
 def _legs(
     tables: list[Mapping[str, Any]], chains: tuple[LegChain, ...], faults: list[str]
 ) -> tuple[Leg, ...]:
-    """Every leg with its control box: the card's, else the one that fits its chain's reach."""
+    """Every leg with its control box: the card's, else the one that fits its chain's reach. Where
+    chains have faults a leg without a box is left out.
+    """
     legs = []
+    unfit = bool(faults)
     for index, item in enumerate(tables, 1):
-        name = word(item, "name", faults)
-        if chains and not any(axis in item for axis in "xyz"):
+        name = word(item, "name", faults, f"leg {index} ")
+        boxed = any(axis in item for axis in "xyz")
+        if chains and not boxed:
             legs.append(Leg(name, *fitted_box(chains[index - 1])))
+        if not boxed and (chains or unfit):
             continue
         x, y, z = (_range(item.get(axis), f"leg {index} {axis}", faults) for axis in "xyz")
         legs.append(Leg(name, x, y, z))
@@ -380,9 +388,14 @@ def _legs(
 
 
 def _range(value: Any, key: str, faults: list[str]) -> JointSpan:
+    found = len(faults)
     low, high = numbers(value, key, 2, faults)
-    if not low < high and not faults:
+    if len(faults) > found:
+        return low, high
+    if not low < high:
         faults.append(f"{key} must be [low, high] with low < high, got {[low, high]}")
+    elif not max(-low, high) <= LENGTH_MAX:
+        faults.append(f"{key} must be within {LENGTH_MAX:g} m, got {[low, high]}")
     return low, high
 
 
@@ -401,9 +414,7 @@ def _chains(
         if not isinstance(own, Mapping) or not isinstance(common or {}, Mapping):
             faults.append(f"leg {index} chain must be a table, got {shown(own or common)}")
             continue
-        hip = triple(leg.get("hip"), f"leg {index} hip", faults)
-        if max(abs(part) for part in hip) > LENGTH_MAX:
-            faults.append(f"leg {index} hip must be within {LENGTH_MAX:g} m, got {list(hip)}")
+        hip = admitted_triple(leg.get("hip"), LEG_KEYS["hip"], faults, f"leg {index} ")
         chains.append(chain_from({**(common or {}), **own}, hip, f"leg {index} chain", faults))
     return tuple(chains) if len(faults) == found else ()
 
@@ -420,46 +431,23 @@ def _check_reach(legs: tuple[Leg, ...], chains: tuple[LegChain, ...], faults: li
             )
 
 
-def _check_numbers(
-    values: Mapping[str, float], triples: Mapping[str, tuple[float, ...]], faults: list[str]
-) -> None:
-    for key in ("mass", "height", "foot_radius", "friction", "yaw_length", "lift_up", "lift_down"):
-        if not values[key] > 0:
-            faults.append(f"{key} must be positive, got {values[key]:g}")
-    if not 0.5 <= values["duty_factor"] < 1.0:
-        faults.append(f"duty_factor must be in [0.5, 1), got {values['duty_factor']:g}")
-    for key in ("torso", "speed"):
-        if not all(value > 0 for value in triples[key]):
-            faults.append(f"{key} must be positive, got {list(triples[key])}")
-    if not all(value >= 0 for value in triples["overreach"]):
-        faults.append(f"overreach must not be negative, got {list(triples['overreach'])}")
-    for key in ("height", "yaw_length", "lift_up", "lift_down"):
-        if values[key] > LENGTH_MAX:
-            faults.append(f"{key} must be at most {LENGTH_MAX:g} m, got {values[key]:g}")
-    for key in ("torso", "overreach"):
-        if max(triples[key]) > LENGTH_MAX:
-            faults.append(f"{key} must be at most {LENGTH_MAX:g} m, got {list(triples[key])}")
-    if values["foot_radius"] > FOOT_MAX:
-        faults.append(f"foot_radius must be at most {FOOT_MAX:g} m, got {values['foot_radius']:g}")
+def _check_lifts(values: Mapping[str, float], faults: list[str]) -> None:
     if values["lift_down"] < values["lift_up"]:
         faults.append(
             f"lift_down must be at least lift_up {values['lift_up']:g}, got {values['lift_down']:g}"
         )
 
 
-def _check_stance(legs: tuple[Leg, ...], values: Mapping[str, float], faults: list[str]) -> None:
-    for index, leg in enumerate(legs, 1):
-        for axis, span in (("x", leg.x), ("y", leg.y), ("z", leg.z)):
-            if max(abs(span[0]), abs(span[1])) > LENGTH_MAX:
-                faults.append(
-                    f"leg {index} {axis} must be within {LENGTH_MAX:g} m, got {list(span)}"
-                )
+def _check_height(legs: tuple[Leg, ...], height: float, faults: list[str]) -> None:
     low = max(leg.z[0] for leg in legs)
     high = min(leg.z[1] for leg in legs)
-    if not low <= -values["height"] <= high:
+    if not low <= -height <= high:
         faults.append(
-            f"height {values['height']:g} is outside the legs' common z range [{-high:g}, {-low:g}]"
+            f"height {height:g} is outside the legs' common z range [{-high:g}, {-low:g}]"
         )
+
+
+def _check_stance(legs: tuple[Leg, ...], faults: list[str]) -> None:
     angles = [math.atan2(leg.centre[1], leg.centre[0]) % (2 * math.pi) for leg in legs]
     if any(b <= a for a, b in zip(angles, angles[1:], strict=False)):
         faults.append("legs must run counter-clockwise from front-left")

@@ -6,17 +6,35 @@ from pathlib import Path
 
 import pytest
 
-from walking_console.sim.format_tables import format_tables
+from walking_console.planner.robot.model import as_data, load_machine, machine_names
+from walking_console.sim.format_tables import format_tables, robot_tables
 from walking_console.sim.scenario import Scenario
 from walking_console.sim.terrain.generators import KINDS, FileTerrain
 
-PAGE = Path(__file__).parents[2] / "docs" / "scenarios.md"
+DOCS = Path(__file__).parents[2] / "docs"
+PAGE = DOCS / "scenarios.md"
 
 
 def test_the_page_holds_what_the_models_say() -> None:
     assert format_tables() in PAGE.read_text("utf-8"), (
         "run python -m walking_console.sim.format_tables and put what it prints into the page"
     )
+
+
+def test_the_page_of_robots_holds_what_cards_are_checked_by() -> None:
+    assert robot_tables() in (DOCS / "robots.md").read_text("utf-8"), (
+        "run python -m walking_console.sim.format_tables robots and put what it prints there"
+    )
+    limited = "| `duty_factor` | number, at least 0.5, less than 1 |  | must be given |"
+    assert limited in robot_tables()
+
+
+@pytest.mark.parametrize("name", machine_names())
+def test_every_key_of_a_shipped_robot_is_in_the_tables(name: str) -> None:
+    rows = robot_tables()
+    data = as_data(load_machine(name))
+    tables = [data, data.get("masses", {}), *data["legs"], *(leg["chain"] for leg in data["legs"])]
+    assert all(f"| `{key}` |" in rows for table in tables for key in table)
 
 
 @pytest.mark.parametrize("name", Scenario.model_fields)

@@ -72,7 +72,11 @@ def test_a_dropped_robot_is_walked_with(address: str, page: Page) -> None:
 @pytest.mark.parametrize(
     ("name", "content", "says"),
     [
-        ("bad.toml", BAD_DOG, ["mass must be positive", "duty_factor must be in"]),
+        (
+            "bad.toml",
+            BAD_DOG,
+            ["mass must be positive", "duty_factor must be at least 0.5"],
+        ),
         ("bad.png", b"no picture", ["bad.png cannot be read"]),
         ("bad.exe", b"x", ["must have a plain name that ends in one of"]),
     ],

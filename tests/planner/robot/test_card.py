@@ -97,7 +97,7 @@ def test_a_chain_needs_its_hip():
     ("change", "reason"),
     [
         ({"torso": 60.0}, "masses must add up to the mass 80 kg, got 69.6 kg"),
-        ({"links": [0.0, 0.0, -2.4]}, "links that are not negative"),
+        ({"links": [0.0, 0.0, -2.4]}, "masses links must be not negative"),
         ({"feet": 1.0}, "unknown key 'feet' in masses; there are: torso, links, centre"),
         ({"centre": [50.0, 0.0, 0.0]}, "masses centre must be within 10 m"),
     ],

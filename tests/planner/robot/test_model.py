@@ -86,7 +86,7 @@ def test_legs_with_nothing_in_common_cannot_walk_in_the_crab_planner():
         ({"mass": True}, "mass must be a finite number"),
         ({"wings": 2}, "unknown key 'wings'; there are: name"),
         ({"height": 3.0}, "outside the legs' common z range"),
-        ({"duty_factor": 1.0}, "duty_factor must be in"),
+        ({"duty_factor": 1.0}, "duty_factor must be at least 0.5, less than 1, got"),
         ({"legs": []}, "legs must be 4 to 8 tables, got 0"),
         ({"torso": [1.0]}, "torso must be a list of 3 numbers"),
         ({"speed": [1.0, 0.0, 1.0]}, "speed must be positive"),
@@ -101,6 +101,36 @@ def test_an_impossible_robot_is_refused_with_its_reason(change, reason):
 def test_a_refusal_lists_every_reason():
     with pytest.raises(MachineError, match="mass.*friction"):
         machine_from({**as_data(load_machine("titan3")), "mass": 0.0, "friction": -1.0})
+
+
+def test_faults_of_every_part_of_a_card_are_said_at_once():
+    data = as_data(load_machine("hexapod"))
+    data |= {"mass": -1.0, "torso": [1.0, 2.0], "colour": "red", "duty_factor": 2.0}
+    data["masses"] = {"torso": -1.0, "links": [0.1, 0.1, 0.1], "feet": 1}
+    data["legs"][0]["x"] = [0.3, 0.1]
+    data["legs"][1]["hip"] = [99.0, 0.0, 0.0]
+    data["legs"][2]["chain"] |= {"kind": "insect", "links": [0.0, 0.0, 0.0]}
+    del data["legs"][3]["name"]
+    with pytest.raises(MachineError) as refused:
+        machine_from(data)
+    said = [
+        "unknown key 'colour'", "mass must be positive", "duty_factor must be at least 0.5",
+        "torso must be a list of 3", "leg 2 hip must be within 10 m", "leg 3 chain links must be",
+        "leg 1 x must be [low, high]", "leg 4 name must be a text", "unknown key 'feet' in masses",
+        "masses torso must be positive",
+    ]  # fmt: skip
+    assert len(refused.value.faults) == len(said)
+    assert all(any(fault.startswith(words) for fault in refused.value.faults) for words in said)
+
+
+def test_one_faulty_chain_does_not_ask_every_leg_for_a_box():
+    data = as_data(load_machine("hexapod"))
+    for leg in data["legs"]:
+        del leg["x"], leg["y"], leg["z"]
+    data["legs"][2]["chain"]["speed"] = [1.0, 0.0, 1.0]
+    with pytest.raises(MachineError, match="leg 3 chain speed must be positive") as refused:
+        machine_from(data)
+    assert len(refused.value.faults) == 1
 
 
 def test_legs_on_one_side_only_are_no_stance():
