@@ -53,6 +53,14 @@ def test_no_canvas_of_the_page_waits_for_the_process_that_draws_the_scene(visit:
     assert len(painted) >= 2 and all(painted)
 
 
+def test_a_word_says_what_it_means_under_the_pointer_and_in_the_help(visit: Visit) -> None:
+    page = visit(1440, 900)
+    meaning = page.locator("#readings .label", has_text="Energy margin").get_attribute("title")
+    assert meaning and meaning.startswith("How high the centre of gravity")
+    page.click("#help-button")
+    assert meaning in page.inner_text("#words")
+
+
 def test_left_on_the_stick_is_left_of_the_torso(address: str, page: Page) -> None:
     drag_until(
         page,

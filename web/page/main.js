@@ -15,6 +15,7 @@ import { DriveLink } from "./drive_link.js";
 import { ExactCourse } from "./exact_course.js";
 import { GamepadHand } from "./gamepad.js";
 import { Joystick } from "./joystick.js";
+import { explainWords } from "./glossary.js";
 import { listenToKeys } from "./keyboard.js";
 import { NO_LEASE, refusalText, showLease } from "./lease_view.js";
 import { takeStyle } from "./machine_style.js";
@@ -319,6 +320,7 @@ new GamepadHand(stick, {
   },
 });
 drawTicks();
+explainWords();
 chooseTopSpeed();
 wireButtons();
 letGoWhenLeft();
