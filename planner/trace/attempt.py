@@ -16,7 +16,7 @@ from .footholds import AIR, Footing, is_open, is_plenty, thinning
 from .lane import TraceWindow, lane_along
 from .moves import Move, moves_along
 from .periodic_gaits import RigidGait
-from .reachability import Reachability
+from .reachability import OutOfHeight, Reachability
 from .stability_table import MARGIN
 from .state_search import StatePath, search, search_rigid
 from .state_sequence import SupportState
@@ -85,6 +85,7 @@ class Attempt:
         self.moves: tuple[Move, ...] = ()
         self.looked = 0
         self.torso_stops = False
+        self.out_of_height: OutOfHeight | None = None
         self.was_thinned = False  # the last search saw only some of the footholds there are
         self.leads_in_the_open = False  # over ground of which nothing is forbidden
 
@@ -152,6 +153,7 @@ class Attempt:
         beyond = min(found.farthest + 1, reachable.samples.count - 1)
         grazes = reachable.clearance.torso_grazes
         self.torso_stops = grazes and not _has_torso_room(reachable, beyond)
+        self.out_of_height = None if found.complete else reachable.out_of_height(beyond)
         together = () if self.rigid is None else (1,)
         course = self.course
         self.moves = yield from moves_along(
@@ -168,6 +170,8 @@ class Attempt:
         known = "there is no way"
         if not self.path.exhausted:
             known = f"no way was found among {self.looked} states"
+        if self.out_of_height is not None:
+            return f"{known} {beyond}: {self.out_of_height.said(self.machine)}"
         return f"{known} {beyond}: no foothold lets the next leg leave its own"
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Generator
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +29,25 @@ from .stability_table import MARGIN, StabilityTable
 
 CHUNK = 64  # samples looked at together: wider wastes work on footholds far away
 LOOKED_AT = 16  # footholds whose legs are held against tall things between two yields
+MOST = 0.5  # of the ground in front of a leg; where it reaches less its height is what stops it
 SAME = 1e-9  # m; points this near are one
+
+
+class OutOfHeight(NamedTuple):
+    """A leg whose joints cannot follow the ground beneath it."""
+
+    leg: int
+    share: float  # of the cells in its rectangle, that are at a height it reaches
+    ground: tuple[float, float]  # m, lowest and highest of them, seen from the body
+
+    def said(self, machine: Machine) -> str:
+        """The same in words."""
+        low, high = machine.legs[self.leg].z
+        return (
+            f"leg {self.leg + 1} reaches {-1e3 * high:.0f} to {-1e3 * low:.0f} mm below the body, "
+            f"which stays level; the ground in front of it lies {-1e3 * self.ground[1]:.0f} to "
+            f"{-1e3 * self.ground[0]:.0f} mm below, {100.0 * self.share:.0f} % of it in reach"
+        )
 
 
 class Reachability:
@@ -181,6 +200,27 @@ class Reachability:
         (y0, y1) = self.machine.legs[leg].y
         z0, z1 = self.machine.legs[leg].z
         return (min(x0, bx), max(x1, bx), min(y0, by), max(y1, by)), (min(z0, dz), max(z1, dz))
+
+    def out_of_height(self, sample: int) -> OutOfHeight | None:
+        """The leg that reaches the least share of the ground in its rectangle, by its height alone,
+        with the body at a sample of the trace; None where every leg reaches most of it.
+        """
+        if self.terrain.is_level:
+            return None
+        found = (self._height_of(leg, sample) for leg in range(len(self.machine.legs)))
+        least = min(found, key=lambda each: each.share)
+        return least if least.share < MOST else None
+
+    def _height_of(self, leg: int, sample: int) -> OutOfHeight:
+        px, py, pz = self._cells
+        description = self.machine.legs[leg]
+        inside = self._inside(px, py, description.box, slice(sample, sample + 1))[:, 0, 0]
+        depth = pz[inside] - self.lane.z[sample]
+        if not len(depth):
+            return OutOfHeight(leg, 1.0, (0.0, 0.0))
+        low, high = description.z
+        reached = (depth >= low - EDGE) & (depth <= high + EDGE)
+        return OutOfHeight(leg, float(reached.mean()), (float(depth.min()), float(depth.max())))
 
     # which sets of feet carry where
 

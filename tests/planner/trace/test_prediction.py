@@ -1,5 +1,6 @@
 """The global prediction: what it leads to, and as long as what it serves."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -112,3 +113,16 @@ def test_the_answer_is_the_same_every_time() -> None:
     one, two = predict(), predict()
     assert one.moves == two.moves
     assert np.array_equal(one.trace.x, two.trace.x)
+
+
+def test_on_a_slope_too_steep_for_its_legs_it_says_which_leg_reaches_how_far() -> None:
+    machine = load_machine("phantomx")
+    x = (np.arange(80) + 0.5) * 0.025 - 1.0
+    heights = np.tile(math.tan(math.radians(10.0)) * x, (80, 1))
+    terrain = TerrainMap(heights, np.zeros((80, 80), bool), 0.025, (-1.0, -1.0))
+    gait = gait_of(machine)
+    stance = square_stance(machine, gait, Placement((0.0, 0.0, 0.0), terrain.height_at))
+    few = {"limit": 200, "limit_wide": 200}
+    found = run_to_completion(predicting(stance, AHEAD, terrain, machine, gait, **few))
+    assert not found.complete
+    assert "reaches 70 to 120 mm below the body, which stays level" in found.reason

@@ -1,11 +1,13 @@
 """Which feet carry the machine where, sample by sample, against plain geometry."""
 
+import math
+
 import numpy as np
 import pytest
 
 from tests.planner.trace.rollout import field_of, gait_of
 from walking_console.planner.geometry.transforms import point_seen
-from walking_console.planner.robot.model import load_machine
+from walking_console.planner.robot.model import Machine, load_machine
 from walking_console.planner.stability import polygon_margin, support_polygon
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.trace.footholds import AIR
@@ -101,3 +103,26 @@ def test_between_two_states_only_feet_that_differ_are_in_the_air() -> None:
     other = next(f for f in reachable.by_leg[2] if f != feet[2])
     after = (*feet[:2], other, *feet[3:])
     assert reachable.between(feet, after) == reachable.carries((*feet[:2], AIR, *feet[3:]))
+
+
+def sloping(machine: Machine, angle: float) -> Reachability:
+    """A level body of a machine that stands on a slope, rising along x."""
+    x = (np.arange(80) + 0.5) * 0.025 - 1.0
+    heights = np.tile(math.tan(angle) * x, (80, 1))
+    terrain = TerrainMap(heights, np.zeros((80, 80), bool), 0.025, (-1.0, -1.0))
+    here = np.zeros((1, 4))
+    return Reachability(Lane(here, here, here[0], here[0] + machine.height), terrain, machine)
+
+
+@pytest.mark.parametrize("robot", ["phantomx", "hexapod"])
+def test_a_leg_too_short_for_the_slope_in_front_of_it_is_named_with_the_heights(robot: str) -> None:
+    machine = load_machine(robot)
+    assert sloping(machine, 0.0).out_of_height(0) is None
+    low, high = machine.legs[0].z
+    x = machine.legs[0].centre[0]
+    fits = math.atan2(high + machine.height, x)
+    assert sloping(machine, 0.8 * fits).out_of_height(0) is None
+    found = sloping(machine, 1.3 * fits).out_of_height(0)
+    assert found is not None and found.leg in (0, 5) and found.share < 0.5
+    assert found.ground[1] > high
+    assert f"reaches {-1e3 * high:.0f} to {-1e3 * low:.0f} mm below the body" in found.said(machine)
