@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from copy import copy
+from itertools import islice
 from typing import Any, NamedTuple
 
 from ..decision_log import DecisionLog
@@ -136,7 +137,7 @@ def near_steps(
     """The first footholds (H §5.5) of the paper's legs in its order, with each margin."""
     posture = node.posture
     accepts = context.accepts(node)
-    for leg, paper in leg_order(posture)[:3]:
+    for leg, paper in islice(leg_order(posture), 3):
         if isinstance(paper, StepRefusal):
             continue
         shifts = (within_margin(context.least, shift_of(posture, leg, m)) for m in margins)

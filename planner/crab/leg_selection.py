@@ -118,12 +118,12 @@ def free_shift(
     return Shift(leg, g0, max(g0, min(g_max, high - margin)), low, high, inset)
 
 
-def leg_order(posture: Posture) -> list[LegShift]:
+def leg_order(posture: Posture) -> Iterator[LegShift]:
     """Legs in the order they are to be tried, with their shifts (H §5.1, fig. 9 as reconstructed).
 
     First legs whose removal leaves pairs of feet standing as in the nominal walk, more agreeing
     pairs first and the nominal successor winning a tie; then the longest return. A leg that cannot
-    swing falls to the back.
+    swing falls to the back. Shifts are worked out as they are asked for: most often the first.
     """
     last = posture.last
     successor = SUCCESSOR[last] if last >= 0 else -1
@@ -131,13 +131,18 @@ def leg_order(posture: Posture) -> list[LegShift]:
     for leg in range(4):
         if leg == last:
             continue
-        shift = shift_of(posture, leg)
         agreeing = agreeing_pairs(posture, leg)
         second = not (agreeing and leg == successor)
-        back = return_length(posture, leg)
-        ranked.append((not isinstance(shift, Shift), -agreeing, second, -back, leg, shift))
-    ranked.sort()  # never as far as the shifts: legs differ
-    return [(leg, shift) for _, _, _, _, leg, shift in ranked]
+        ranked.append((-agreeing, second, -return_length(posture, leg), leg))
+    ranked.sort()
+    stuck = []
+    for _, _, _, leg in ranked:
+        shift = shift_of(posture, leg)
+        if isinstance(shift, Shift):
+            yield leg, shift
+        else:
+            stuck.append((leg, shift))
+    yield from stuck
 
 
 def agreeing_pairs(posture: Posture, leg: int) -> int:

@@ -239,9 +239,12 @@ def speed_limit(displacement: Point, n: Point, limits: Point, g: float, vertical
     """
     v = g / vertical if vertical > 0.0 else math.inf
     for d, m, limit in zip(displacement, n, limits, strict=True):
-        ahead = axis_limit(d, m, limit, g, vertical)
-        back = axis_limit(-d, -m, limit, g, vertical)
-        slower = ahead if ahead < back else back
+        if m == 0.0:
+            slower = axis_limit(abs(d), m, limit, g, vertical)  # of the two ways, the longer
+        else:
+            ahead = axis_limit(d, m, limit, g, vertical)
+            back = axis_limit(-d, -m, limit, g, vertical)
+            slower = ahead if ahead < back else back
         if slower < v:
             v = slower
     return v

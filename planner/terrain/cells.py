@@ -62,18 +62,14 @@ def span_of(low: float, high: float, origin: float, cell: float, count: int) -> 
     )
 
 
-def outward(middle: int, low: int, high: int, first: int) -> Iterator[int]:
-    """middle, then one to the ``first`` side, one to the other, two to the first ... as far as they
-    are in [low, high].
+@lru_cache(maxsize=1024)
+def outward(middle: int, count: int, first: int) -> tuple[int, ...]:
+    """The numbers from 0 below ``count`` from ``middle`` on: it, one to the ``first`` side, one to
+    the other, two to the first ...
+
+    Kept, as searches of one step after the other ask for the same few.
     """
-    if low <= middle <= high:
-        yield middle
-    step = 1
-    while middle - step >= low or middle + step <= high:
-        for place in (middle + first * step, middle - first * step):
-            if low <= place <= high:
-                yield place
-        step += 1
+    return tuple(sorted(range(count), key=lambda place: (abs(place - middle), -first * place)))
 
 
 @lru_cache(maxsize=16)
@@ -114,9 +110,12 @@ def cells_across(
         return
     slope = across / along
     first = math.floor(a0)
-    for row in outward(first, *ahead, -1 if along > 0.0 else 1):
+    (front, last), (side, end) = ahead, beside
+    for onward in outward(first - front, last - front + 1, -1 if along > 0.0 else 1):
+        row = front + onward
         middle = math.floor(b0 if row == first else b0 + slope * (row + 0.5 - a0))
-        for place in outward(middle, *beside, 1):
+        for sideways in outward(middle - side, end - side + 1, 1):
+            place = side + sideways
             column, line = (row, place) if lengthwise else (place, row)
             free = not forbidden[line * columns + column]
             if free or every:

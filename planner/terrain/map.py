@@ -112,14 +112,17 @@ class TerrainMap(HeightGrid):
             return True
         x0, y0, cell, rows, columns, _ = self._look_up
         edge = self.edge
-        left = max(math.floor((x - edge - x0) / cell), 0)
-        right = min(math.floor((x + edge - x0) / cell), columns - 1)
-        low = max(math.floor((y - edge - y0) / cell), 0)
-        high = min(math.floor((y + edge - y0) / cell), rows - 1)
-        for row in range(low, high + 1):
-            for column in range(left, right + 1):
-                if holes[row * columns + column]:
-                    return False
+        floor = math.floor
+        left = floor((x - edge - x0) / cell)
+        right = floor((x + edge - x0) / cell)
+        low = floor((y - edge - y0) / cell)
+        high = floor((y + edge - y0) / cell)
+        if left < 0 or low < 0 or right >= columns or high >= rows:
+            left, right = max(left, 0), min(right, columns - 1)
+            low, high = max(low, 0), min(high, rows - 1)
+        for row in range(low * columns, high * columns + 1, columns):
+            if 1 in holes[row + left : row + right + 1]:
+                return False
         return True
 
     @cached_property

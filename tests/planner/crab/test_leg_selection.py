@@ -137,7 +137,7 @@ def test_in_the_standard_layout_the_standard_leg_swings_next(degrees, duty_facto
         ),
     )
     for _ in range(8):
-        order = leg_order(seen)
+        order = list(leg_order(seen))
         assert order[0][0] == SUCCESSOR[seen.last]
         assert agreeing_pairs(seen, order[0][0]) == 2
         assert seen.last not in [leg for leg, _ in order]
@@ -151,7 +151,7 @@ def test_where_nothing_agrees_the_longest_return_goes_first():
     found = 0
     for _ in range(300):
         seen = posture_of(AHEAD, random_stance(rng))
-        order = leg_order(seen)
+        order = list(leg_order(seen))
         able = [leg for leg, shift in order if isinstance(shift, Shift)]
         assert [leg for leg, _ in order][: len(able)] == able, (
             "a leg that cannot swing is not at the back"

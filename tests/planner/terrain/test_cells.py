@@ -42,11 +42,12 @@ def test_a_span_is_of_the_cells_whose_centres_lie_in_it_cut_to_the_map():
 
 @pytest.mark.parametrize("first", [1, -1])
 def test_outward_comes_to_every_cell_once_from_the_middle_on(first):
-    found = list(outward(4, 2, 9, first))
-    assert sorted(found) == list(range(2, 10)) and found[0] == 4 and found[1] == 4 + first
-    away = [abs(k - 4) for k in found]
+    found = outward(2, 8, first)
+    assert sorted(found) == list(range(8)) and found[:3] == (2, 2 + first, 2 - first)
+    away = [abs(k - 2) for k in found]
     assert away == sorted(away)
-    assert list(outward(12, 2, 4, 1)) == [4, 3, 2]
+    assert outward(10, 3, 1) == (2, 1, 0) and outward(-2, 3, 1) == (0, 1, 2)
+    assert outward(5, 0, 1) == ()
 
 
 def test_a_disc_has_every_cell_within_its_radius_the_nearest_first():
