@@ -232,6 +232,53 @@ class Navigation:
     known_enough: float = 0.2
 
 
+@dataclass(frozen=True, slots=True)
+class Lookahead:
+    """How far mode ``predictive`` looks on broken ground, and what it gives up for margin."""
+
+    # steps it looks ahead, one at least. Fewer: see it walk into dead ends where most of the ground
+    # is prohibited; more: see ticks come late
+    depth: int = 6
+    width: int = 6  # ways it follows from step to step, with the same signs
+    per_shift: int = 6  # footholds of one leg and shift that are tried. More: see ticks come late
+    # depths at which the full margin is tried beside the smallest. Fewer: see it walk on edges
+    two_margins: int = 3
+    # m of way given up for each m of margin that is missing; 0: see margins of millimetres where
+    # there is no need
+    margin_weight: float = 0.1
+    # the same on open ground: more than any walk with less margin can gain
+    open_margin_weight: float = 0.5
+    # of the standard step; a way on slower than this is not good enough, and any foothold in reach
+    # is tried. More: see it stand and think
+    gets_on: float = 0.6
+    # steps in which open ground should lead back to the standard walk. Fewer: see it walk on askew
+    back_steps: int = 12
+    # footholds of one leg and shift that are tried when anything goes. Fewer: see it stop among
+    # poles; more: see ticks come late
+    wide_max: int = 16
+
+
+@dataclass(frozen=True, slots=True)
+class Turning:
+    """What steps on arcs keep and what they lose by; ``inset`` and ``thin_cost`` are less for small
+    machines.
+    """
+
+    # m kept from every edge of the triangle, where the nominal walk has so much
+    inset: float = 0.03
+    inset_share: float = 0.6  # of the least margin of the nominal walk, where it has less
+    # m of way a swing with hardly any inset is held to lose. Less: see the torso tip as a foot
+    # lifts
+    thin_cost: float = 0.15
+    # of the nominal swing's way; a swing that moves the body less is looked at with no inset, and
+    # beside body shifts
+    useful: float = 0.5
+    # of what the legs lack of the nominal phases, m of progress per m; 0: see legs bunch up
+    phase_weight: float = 0.25
+    far_enough: float = 0.45  # m around I_u in which footholds are looked for
+    cells_max: int = 4  # footholds compared. More: see ticks come late
+
+
 # what a way along a trace is to be best at: the first that is found, few changes of state, ...
 SOONEST = "soonest"
 FEWEST_STATES = "states"
@@ -262,6 +309,8 @@ class PlannerConfig:
     contact: Contact = field(default_factory=Contact)
     navigation: Navigation = field(default_factory=Navigation)
     trace: TraceSearch = field(default_factory=TraceSearch)
+    lookahead: Lookahead = field(default_factory=Lookahead)
+    turning: Turning = field(default_factory=Turning)
 
 
 DEFAULT = PlannerConfig()

@@ -39,7 +39,6 @@ from .steps import BodyShift, Candidate, Landing, Shift, StepRequest, SwingStep
 
 SMALL = 0.003  # m, the least margin that is asked for; at 0 a millimetre of servo error is outside
 SPACING = 0.05  # m between footholds tried; finer maps are read in blocks of this size
-WIDE_MAX = 16  # footholds of one leg and shift that are tried when anything goes
 # m; a step with less margin is taken only where there is no other: the CoG would balance on an edge
 LEAST = 0.002
 ON_THE_SPOT = 0.01  # m; a step that takes the body less far does not get on
@@ -63,6 +62,8 @@ class SearchContext:
     def __init__(self, request: StepRequest, crab_angle: float, stretched: bool = False) -> None:
         stance = request.stance
         self.request = request
+        self.settings = request.config.lookahead
+        self.depth = max(1, self.settings.depth)
         self.nominal = nominal_gait(
             request.machine, request.gait, crab_angle, stance.quarter_turns, stretched
         )
@@ -149,7 +150,7 @@ def near_steps(
                 if not changes_nothing(posture, step, step.landing):
                     yield step
                     left -= 1
-                    if not left:
+                    if left <= 0:
                         break
 
 
@@ -182,7 +183,7 @@ def wide_steps(context: SearchContext, node: Node, short: bool = True) -> Iterat
             steps = steps_anywhere(posture, shift, context.cells)
             if accepts is not None:
                 steps = accepted(shift, steps, accepts)
-            for step in thinned(list(steps), WIDE_MAX):
+            for step in thinned(list(steps), context.settings.wide_max):
                 if not changes_nothing(posture, step, step.landing):
                     yield step
 

@@ -29,18 +29,6 @@ from .gait import AGREEMENT, NominalGait, Posture
 from .leg_selection import SLACK
 from .steps import Candidate, SwingStep
 
-# steps the beam looks ahead, and how many ways it follows; narrower and it dies on 80 % prohibited
-# ground
-DEPTH, WIDTH = 6, 6
-PER_SHIFT = 6  # footholds of one leg and shift the beam tries
-TWO_MARGINS = 3  # depths of the beam at which s0 is tried beside the smallest margin
-# m of way given up for each m of margin below s0; 0: see margins of millimetres where there is no
-# need
-MARGIN_WEIGHT = 0.1
-GETS_ON = 0.6  # of the standard step; a beam slower than this is not good enough
-BACK_STEPS = 12  # steps in which open ground should lead back to the standard walk
-# as MARGIN_WEIGHT on open ground: more than any walk with less margin can gain
-OPEN_MARGIN_WEIGHT = 0.5
 # steps rolled out for any foothold, for its successors, and how many get successors
 GLANCE, LOOK, KEPT = 3, 6, 6
 GLANCE_WEIGHT = 0.5  # of the value of the posture reached, in the ranking of first glances
@@ -80,9 +68,10 @@ def choose(context: SearchContext, paper: SwingStep | None) -> ResultJob:
     open_ahead = is_open(context)
     if paper is not None and _will_do(context, paper, open_ahead):
         return SearchResult("paper", [Branch(paper, context.start, paper.g, paper.g, 1)], 1)
-    enough = GETS_ON * standard_way(context.nominal)
+    enough = context.settings.gets_on * standard_way(context.nominal)
     if open_ahead:
-        back = _result("back", (yield from _back_to_standard(context)), BACK_STEPS + 1)
+        steps = context.settings.back_steps + 1
+        back = _result("back", (yield from _back_to_standard(context)), steps)
         if not back.finished or back.pace >= enough:
             return back
     return (yield from best_of(context))
@@ -91,8 +80,8 @@ def choose(context: SearchContext, paper: SwingStep | None) -> ResultJob:
 def best_of(context: SearchContext) -> ResultJob:
     """The ways on over broken ground: near the paper's, and where those do not get on, any."""
     standard = standard_way(context.nominal)
-    near = _result("near", (yield from look_near(context)), DEPTH)
-    if not near.finished or near.pace >= GETS_ON * standard:
+    near = _result("near", (yield from look_near(context)), context.depth)
+    if not near.finished or near.pace >= context.settings.gets_on * standard:
         return near
     wide = _result("wide", (yield from look_wide(context)), LOOK + 2)
     if max(wide.pace, near.pace) < STUCK * standard:
@@ -116,24 +105,26 @@ def _back_to_standard(context: SearchContext) -> StepSearch:
     """Open ground: the first step the paper's policy walks on from best, margins counted dear."""
     start = context.start
     s0 = context.nominal.margin
-    gain = gain_with(context, OPEN_MARGIN_WEIGHT)
+    gain = gain_with(context, context.settings.open_margin_weight)
     near = near_steps(context, start, (s0, min(context.smallest, s0)), 3)
     first = _options(context, start, chain(near, any_steps(context, start)), gain)
-    return (yield from rollouts(first, policy_with(context, gain), BACK_STEPS))
+    return (yield from rollouts(first, policy_with(context, gain), context.settings.back_steps))
 
 
 def look_near(context: SearchContext) -> StepSearch:
     """Broken ground: steps near the paper's, several deep; what the footholds still hold is worth
     as much as way made.
     """
-    gain = gain_with(context, MARGIN_WEIGHT)
+    settings = context.settings
+    gain = gain_with(context, settings.margin_weight)
     least = min(context.smallest, context.nominal.margin)
 
     def options(node: Node, depth: int) -> Iterator[Option[Node, Candidate]]:
-        margins = (context.nominal.margin, least) if depth < TWO_MARGINS else (least,)
-        return _options(context, node, near_steps(context, node, margins, PER_SHIFT), gain, 1.0)
+        margins = (context.nominal.margin, least) if depth < settings.two_margins else (least,)
+        steps = near_steps(context, node, margins, settings.per_shift)
+        return _options(context, node, steps, gain, 1.0)
 
-    found: Ways = yield from beam(context.start, options, DEPTH, WIDTH)
+    found: Ways = yield from beam(context.start, options, context.depth, settings.width)
     return Found(firsts(found.ways), found.finished)
 
 
@@ -142,7 +133,7 @@ def look_wide(context: SearchContext) -> StepSearch:
     policy; then two of them.
     """
     start = context.start
-    gain = gain_with(context, MARGIN_WEIGHT)
+    gain = gain_with(context, context.settings.margin_weight)
     policy = policy_with(context, gain)
     options = _options(context, start, any_steps(context, start), gain, GLANCE_WEIGHT)
     glanced: Ways = yield from rollouts(options, policy, GLANCE)
@@ -221,7 +212,7 @@ def stays_standard(context: SearchContext, paper: SwingStep) -> bool:
     """The paper's policy keeps the nominal walk for the whole horizon, past prohibited cells."""
     node = context.start
     step: SwingStep | None = paper
-    for _ in range(BACK_STEPS):
+    for _ in range(context.settings.back_steps):
         if step is None or not is_standard_step(node.posture, step):
             return False
         node = context.after(node, step)
@@ -262,7 +253,7 @@ def is_open(context: SearchContext) -> bool:
     """True when no cell is prohibited anywhere the feet could come within the horizon."""
     nominal = context.nominal
     ux, uy, _ = nominal.path
-    way = (DEPTH + 2) * standard_way(nominal)
+    way = (context.depth + 2) * standard_way(nominal)
     x1, x2, y1, y2 = nominal.boxes[0]  # the others are its images in the axes
     x_reach = max(abs(x1), abs(x2))
     y_reach = max(abs(y1), abs(y2))

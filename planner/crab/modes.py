@@ -55,6 +55,7 @@ class CrabPlanner(Planner):
         self._gait = setup.gait
         self._job = _JOBS[setup.mode]
         self._explain = setup.explain
+        self._config = setup.config
         detours = setup.detours and capabilities.takes_detours
         self._local = LocalPlanner(
             setup.cautious, capabilities.fits_slopes, detours, setup.config.navigation
@@ -70,8 +71,8 @@ class CrabPlanner(Planner):
         """What plans the steps of one machine, on courses of Level B1 if there is one."""
 
         def steps(stance: Stance, command: Command, terrain: TerrainMap) -> PlanningJob:
-            request = StepRequest(stance, command, terrain, machine, self._gait, self._explain)
-            return self._job(request)
+            known = stance, command, terrain, machine, self._gait
+            return self._job(StepRequest(*known, self._explain, self._config))
 
         return partial(self._local.plan, steps, machine)
 

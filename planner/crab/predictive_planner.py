@@ -15,7 +15,7 @@ from ..search import uninterruptible
 from ..types import Departure, StepPlan
 from .candidates import SearchContext, entry_of
 from .gait import turns
-from .lookahead_search import GETS_ON, STUCK, Branches, SearchResult, choose, standard_way
+from .lookahead_search import STUCK, Branches, SearchResult, choose, standard_way
 from .recovery import blocked, by_stretching, is_strained, way_out
 from .step_plans import plan_of
 from .steps import StepRequest, SwingStep
@@ -74,7 +74,8 @@ def _answer(
         result.ways, DEPARTURES.get(result.search) if paper else Departure.NO_STEP, paper
     )
     recovery = None
-    if strained and result.pace < GETS_ON * standard:  # a crossing begun is gone on with
+    enough = context.settings.gets_on * standard
+    if strained and result.pace < enough:  # a crossing begun is gone on with
         recovery = yield from uninterruptible(by_stretching(context, result.pace))
     plan = None
     if recovery is None and (result.pace >= STUCK * standard or not result.finished):

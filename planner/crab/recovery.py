@@ -18,7 +18,7 @@ from typing import NamedTuple
 from ..decision_log import DecisionLog, reasons_of, refused_cells
 from ..types import Blocked, Reason
 from .candidates import SearchContext, near_steps
-from .lookahead_search import DEPTH, Branches, best_of, is_open, look_near, standard_way
+from .lookahead_search import Branches, best_of, is_open, look_near, standard_way
 
 # degrees against the commanded course, in the order they are tried
 CONE = (15.0, -15.0, 30.0, -30.0)
@@ -51,7 +51,7 @@ def way_out(context: SearchContext) -> RecoveryJob:
         off = math.radians(degrees)
         aside = SearchContext(context.request, context.request.command.crab_angle + off)
         found = yield from look_near(aside)
-        if found.ways and found.ways[0].pace(DEPTH) >= least / math.cos(off):
+        if found.ways and found.ways[0].pace(context.depth) >= least / math.cos(off):
             return Recovery("cone", aside, found.ways)
     return (yield from by_stretching(context, least))
 
@@ -82,7 +82,7 @@ def _by_a_step_back(context: SearchContext) -> RecoveryJob:
     request = context.request
     course = request.command.crab_angle
     behind = SearchContext(request, course + math.pi)
-    need = WORTH * (DEPTH + 1) * standard_way(context.nominal)
+    need = WORTH * (context.depth + 1) * standard_way(context.nominal)
     for step in islice(near_steps(behind, behind.start, (behind.nominal.margin,), 2), BACK_MAX):
         node = behind.after(behind.start, step)
         z = request.stance.body[2]  # on level ground, where nodes carry no stance

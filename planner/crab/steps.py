@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from ..config import DEFAULT, PlannerConfig
 from ..geometry.transforms import XY
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
@@ -22,6 +23,7 @@ class StepRequest(NamedTuple):
     machine: Machine
     gait: Gait
     explain: bool = False
+    config: PlannerConfig = DEFAULT
 
     def log(self, **facts: Any) -> dict[str, Any] | None:
         """A decision log begun with these facts; None when nobody asks for one."""

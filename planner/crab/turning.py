@@ -16,6 +16,7 @@ from dataclasses import replace
 from operator import itemgetter
 from typing import NamedTuple
 
+from ..config import Turning
 from ..decision_log import DecisionLog, note_cell, note_leg, note_reason, note_search
 from ..geometry.paths import arc_exit
 from ..geometry.polygons import inside_of
@@ -54,25 +55,15 @@ LOOKS = (
 )
 # of the reach, along and across: where feet are tried when they may come down anywhere
 ANYWHERE = (0.02, 0.5, 0.98)
-INSET = 0.03  # m from every edge of the triangle, where the nominal walk has so much
-INSET_SHARE = 0.6  # of the least margin of the nominal walk, where it has less
 # m; an inset every swing keeps where it can, and one it keeps always; none: see the torso tip as a
 # foot lifts
 THIN, BARE = 0.004, 0.001
-THIN_COST = 0.15  # m of course a swing without it is held to lose
-# of the nominal swing's way; a swing that moves the body less is looked at with no inset, and
-# beside body shifts
-USEFUL = 0.5
-FAR_ENOUGH = 0.45  # m around I_u in which footholds are looked for
-CELLS_MAX = 4  # footholds compared
 # steps without a useful way after which the way that gets on soonest is taken; else see it go to
 # and fro
 STILL_MAX = 2
 IN_NEED = 10.0  # m such a way is held to gain over one that never gets on; more than any way loses
 IN_NEED_LOOK = 2  # the look it begins with
 SHIFT_MIN = 0.002  # m; a shorter body shift is none
-# of what the legs lack of the nominal phases, m of progress per m; 0: see legs bunch up
-PHASE_WEIGHT = 0.25
 REFUSED_MAX = 200  # cells logged of one leg
 
 
@@ -90,18 +81,19 @@ TurnBranch = Branch[TurnNode, Candidate]
 class TurnSearch:
     """One search for the next step of a turn from one stance."""
 
-    def __init__(self, checks: FootholdChecks) -> None:
+    def __init__(self, checks: FootholdChecks, settings: Turning) -> None:
         nominal, stance = checks.nominal, checks.stance
         self.checks = checks
+        self.settings = settings
         self.nominal = nominal
         self.arc = nominal.path
         self.cells: FootholdMap = foothold_map(checks.terrain)
         duty = nominal.duty_factor
         self.full = (1.0 - duty) / duty * nominal.stride  # m, the way of a swing of the walk
-        self.useful = USEFUL * self.full
+        self.useful = settings.useful * self.full
         size = nominal.size
         thin = size * THIN
-        comfort = min(size * INSET, INSET_SHARE * nominal.margin)
+        comfort = min(size * settings.inset, settings.inset_share * nominal.margin)
         self.insets = (comfort, thin, size * BARE) if comfort > thin else (thin, size * BARE)
         self.root = TurnNode(checks.posture)
         self.in_need = stance.still >= STILL_MAX  # the way that gets on soonest is the best
@@ -134,7 +126,7 @@ class TurnSearch:
             )
             for layout in ((layouts[last],) if last >= 0 else layouts)
         )
-        return -PHASE_WEIGHT * lacks
+        return -self.settings.phase_weight * lacks
 
     def after(self, node: TurnNode, candidate: Candidate) -> tuple[TurnNode, float]:
         """The posture at N_{k+1}, and the way gone less what could have been gone in the time: the
@@ -146,7 +138,7 @@ class TurnSearch:
         posture = after(node.posture, candidate)
         lost = max(0.0, self.full - (candidate.g - candidate.g0))
         if candidate.margin < self.nominal.size * THIN:
-            lost += self.nominal.size * THIN_COST
+            lost += self.nominal.size * self.settings.thin_cost
         return TurnNode(posture, node.way + candidate.g), candidate.g - lost
 
     # what can be done next
@@ -229,13 +221,13 @@ class TurnSearch:
         if self.cells.allows(*around) and self.fits(shift, exact, first) is not None:
             return None if changes_nothing(node.posture, shift, exact) else exact
         costs: list[tuple[float, Landing]] = []
-        for ax, ay, away in cells_around(self.cells, around, FAR_ENOUGH):
+        for ax, ay, away in cells_around(self.cells, around, self.settings.far_enough):
             landing = Landing(*node.posture.canonical(ax, ay), ax, ay)
             left = self.fits(shift, landing, first)
             if left is None or changes_nothing(node.posture, shift, landing):
                 continue
             costs.append((away + max(0.0, wanted - shift.g - left), landing))
-            if len(costs) >= CELLS_MAX:
+            if len(costs) >= self.settings.cells_max:
                 break
         return min(costs, key=itemgetter(0))[1] if costs else None
 
@@ -284,7 +276,7 @@ def turn_job(request: StepRequest) -> PlanningJob:
     pace = math.hypot(command.speed, request.machine.yaw_length * command.turn_rate)
     log = request.log(crab_angle=command.crab_angle, turn=nominal.path.turn, stride=nominal.stride)
     posture = posture_of(nominal, request.stance)
-    search = TurnSearch(FootholdChecks(posture, request))
+    search = TurnSearch(FootholdChecks(posture, request), request.config.turning)
     answer: StepPlan | Blocked = Blocked(Reason.NO_WAY_ON_AN_ARC, None, log)
     for depth, width, anywhere in LOOKS[IN_NEED_LOOK:] if search.in_need else LOOKS:
         # half a search knows no better than to stay, and a walk of such answers never ends
@@ -376,7 +368,7 @@ def _note_refused(search: TurnSearch, shift: Shift, taken: SwingStep, trial: Dec
     x1, x2, y1, y2 = search.nominal.boxes[taken.leg]
     around = posture.absolute(*taken.start)
     nearer = math.dist((landing.ax, landing.ay), around) + search.cells.cell / 2
-    for ax, ay, _ in cells_around(search.cells, around, FAR_ENOUGH, every=True):
+    for ax, ay, _ in cells_around(search.cells, around, search.settings.far_enough, every=True):
         if math.dist((ax, ay), around) > nearer or len(trial["refused"]) == REFUSED_MAX:
             break
         cell = Landing(*posture.canonical(ax, ay), ax, ay)

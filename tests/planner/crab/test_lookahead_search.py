@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 from tests.planner.crab.crab_walks import TITAN, command, gait, holes, random_stance
+from walking_console.planner.config import DEFAULT, configured
 from walking_console.planner.crab.candidates import SearchContext
 from walking_console.planner.crab.gait import standard_stance
 from walking_console.planner.crab.lookahead_search import (
-    BACK_STEPS,
-    DEPTH,
     LOOK,
     choose,
     gain_with,
@@ -23,7 +22,8 @@ from walking_console.planner.crab.lookahead_search import (
 )
 from walking_console.planner.crab.steps import BodyShift, StepRequest
 from walking_console.planner.initial_stance import Placement
-from walking_console.planner.protocols import run_to_completion
+from walking_console.planner.protocols import PlannerSetup, run_to_completion
+from walking_console.planner.registry import make_planner
 from walking_console.planner.terrain.map import TerrainMap
 
 OPEN = holes(span=12.0)
@@ -62,7 +62,7 @@ def test_from_an_odd_posture_on_open_ground_it_searches_for_the_way_back():
         result = run_to_completion(choose(found, papers(found)))
         searches.add(result.search)
         if result.search == "back":
-            assert result.horizon == BACK_STEPS + 1
+            assert result.horizon == DEFAULT.lookahead.back_steps + 1
             assert result.pace == result.ways[0].gain / result.horizon
     assert "back" in searches
 
@@ -71,7 +71,7 @@ def test_on_broken_ground_the_ways_are_best_first_and_their_first_steps_differ()
     found = context(standing(), 0.0, holes(0.5, 2, span=12.0))
     near = run_to_completion(look_near(found))
     wide = run_to_completion(look_wide(found))
-    for ways, most in ((near.ways, DEPTH), (wide.ways, LOOK + 2)):
+    for ways, most in ((near.ways, DEFAULT.lookahead.depth), (wide.ways, LOOK + 2)):
         assert ways and len({id(way.first) for way in ways}) == len(ways)
         assert all(way.steps <= most for way in ways)
     assert near.finished and wide.finished
@@ -121,3 +121,23 @@ def test_a_step_gains_its_way_less_what_its_margin_lacks():
 def test_the_standard_way_is_the_advance_of_a_cycle_over_four_steps():
     nominal = context(standing()).nominal
     assert standard_way(nominal) == pytest.approx(sum(nominal.lags) / 4)
+
+
+@pytest.mark.parametrize("depth", [1, 2, 4])
+def test_how_far_it_looks_can_be_set(depth):
+    terrain = holes(0.5, 2, span=12.0)
+    config = configured({"lookahead": {"depth": depth, "width": 2, "per_shift": 2}})
+    planner = make_planner(
+        "crab", PlannerSetup(TITAN, gait(), "predictive", explain=True, config=config)
+    )
+    plan = planner.plan_step(standing(), command(), terrain)
+    looked = plan.decision["lookahead"]
+    assert looked["search"] == "near" and looked["horizon"] == depth
+    assert 0 < len(looked["candidates"]) <= 3 * 2 * 2
+    assert all(way["steps"] <= depth for way in looked["candidates"])
+
+
+def test_a_look_of_no_steps_is_one_of_one():
+    config = configured({"lookahead": {"depth": 0}})
+    request = StepRequest(standing(), command(), OPEN, TITAN, gait(), config=config)
+    assert SearchContext(request, 0.0).depth == 1

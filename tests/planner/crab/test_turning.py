@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tests.planner.crab.crab_walks import TITAN, gait, holes, random_stance
+from walking_console.planner.config import configured
 from walking_console.planner.crab.gait import nominal_gait_on, standard_stance, turns
 from walking_console.planner.crab.planner import plan_step
 from walking_console.planner.crab.steps import StepRequest
@@ -293,3 +294,13 @@ def test_where_no_foot_may_land_it_says_so():
             break
         stance = plan.end
     assert isinstance(plans[-1], Blocked) and "arc" in plans[-1].text
+
+
+def test_how_far_inside_the_triangle_it_stays_can_be_set():
+    stance = standard_stance(TITAN, gait(), Placement((0.0, 0.0, 0.0), LEVEL.height_at, 0.0))
+    kept = []
+    for inset in (0.0045, 0.006):
+        config = configured({"turning": {"inset": inset}})
+        plan = plan_step(StepRequest(stance, on_circle(2.0), LEVEL, TITAN, gait(), config=config))
+        kept.append(plan.margin_min)
+    assert 0.0 < kept[0] < kept[1]
