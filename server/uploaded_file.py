@@ -95,7 +95,9 @@ def understood(path: Path, name: str) -> dict[str, Any]:
             READERS[path.suffix.lower()](path)
     # broken files raise whatever the decoders underneath happen to: struct, zlib, tokenize ...
     except Exception as error:
-        reason = " ".join(str(error).replace(path.name, name).split())[:200]
+        reason = " ".join(str(error).replace(str(path), name).replace(path.name, name).split())[
+            :200
+        ]
         raise Unreadable(f"{name} cannot be read: {reason or type(error).__name__}") from None
     try:
         read = read_heights(FileTerrain(kind="file", file=str(path)), None)

@@ -3,7 +3,8 @@
 Columns by their names, in any order; others are passed over, so a run's own ``ticks.csv`` is one.
 ``t``, and either ``alpha``, ``speed`` and ``turn``, or ``vx``, ``vy`` and ``wz``. A unit may stand
 behind a name (``alpha_rad``, ``vx (mm/s)``); without one they are s, degrees, m/s and degrees/s,
-and rad/s for ``wz``. Comma, semicolon (then also decimal commas) or tab.
+and rad/s for ``wz``. Comma, or semicolon or tab (then also decimal commas). Fields of a ROS topic
+(``/cmd_vel/linear/x``) are known by their ends.
 """
 
 from __future__ import annotations
@@ -28,6 +29,8 @@ NAMES = {
     "timestamp": "t",
     "alpha": "alpha",
     "crab_angle": "alpha",
+    "angle": "alpha",
+    "direction": "alpha",
     "speed": "speed",
     "turn": "turn",
     "turn_rate": "turn",
@@ -39,7 +42,7 @@ NAMES = {
     "angular_z": "wz",
 }
 TIMES = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
-SPEEDS = {"m_s": 1.0, "mm_s": 1e-3, "cm_s": 1e-2, "mps": 1.0}
+SPEEDS = {"m_s": 1.0, "mm_s": 1e-3, "cm_s": 1e-2, "mps": 1.0, "km_h": 1 / 3.6, "kmh": 1 / 3.6}
 ANGLES = {"deg": 1.0, "rad": math.degrees(1.0)}  # in degrees, as scenarios have them
 RATES = {"deg_s": 1.0, "rad_s": math.degrees(1.0)}
 UNITS = {
@@ -52,6 +55,8 @@ UNITS = {
     "wz": RATES,
 }
 UNASKED = {"t": "s", "alpha": "deg", "turn": "deg_s", "wz": "rad_s"}  # m_s otherwise
+OF_A_MESSAGE = re.compile(r"^.*_(?=linear_[xy]|angular_z)")  # of a ROS topic, before its fields
+DECIMAL_COMMAS = (";", "\t")  # separators that leave the comma to be one
 POLAR = ("alpha", "speed", "turn")
 CARTESIAN = ("vx", "vy", "wz")
 
@@ -121,6 +126,7 @@ def _columns(header: Sequence[str]) -> list[Column]:
 def _column(header: str, index: int) -> Iterator[Column]:
     """The column of a name with or without its unit; none for any other name."""
     words = re.sub(r"[^a-z0-9]+", "_", header.strip().lower()).strip("_")
+    words = OF_A_MESSAGE.sub("", words)
     for known, name in NAMES.items():
         unit = words.removeprefix(known).removeprefix("_")
         if words == known:
@@ -131,7 +137,7 @@ def _column(header: str, index: int) -> Iterator[Column]:
 
 def _number(row: Sequence[str], column: Column, line: int, separator: str) -> float:
     text = row[column.place].strip() if column.place < len(row) else ""
-    if separator == ";":
+    if separator in DECIMAL_COMMAS:
         text = text.replace(",", ".")
     try:
         value = float(text) * column.factor

@@ -43,6 +43,12 @@ WALK = [(0.0, 0.0, 0.1, 0.0), (0.5, 90.0, 0.05, 10.0)]
         "t,vx,vy,wz\n0,0.1,0,0\n0.5,0,0.05,0.17453292519943295\n",
         "# by hand\nt,vx_mm_s,vy_mm_s,wz_deg_s,battery\n\n0,100,0,0,12\n0.5,0,50,10,\n",
         "time,linear.x,linear.y,angular.z\n0,0.1,0,0\n0.5,0,0.05,0.17453292519943295\n",
+        "%time,field.linear.x,field.linear.y,field.linear.z,field.angular.x,field.angular.z\n"
+        "0,0.1,0,0,0,0\n0.5,0,0.05,0,0,0.17453292519943295\n",
+        "__time,/cmd_vel/linear/x,/cmd_vel/linear/y,/cmd_vel/angular/z\n"
+        "0,0.1,0,0\n0.5,0,0.05,0.17453292519943295\n",
+        "t,direction,speed_km_h,turn\n0,0,0.36,0\n0.5,90,0.18,10\n",
+        "t\tangle\tspeed\tturn\n0,0\t0\t0,1\t0\n0,5\t90\t0,05\t10\n",
         "timestamp_ns,vx,vy,wz\n1700000000000000000,0.1,0,0\n"
         "1700000000500000000,0,0.05,0.17453292519943295\n",
         "t,alpha,speed,turn\n0,9,9,9\n0,0,0.1,0\n0.5,90,0.05,10\n",

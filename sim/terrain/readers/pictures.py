@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 import png
-from PIL import Image
+from PIL import Image, UnidentifiedImageError
 
 from walking_console.planner.types import Array
 
@@ -28,7 +28,7 @@ FORMATS = ["PNG", "JPEG", "BMP", "PPM"]
 
 def read_picture(path: Path) -> Raster:
     """Grey levels as parts of white (0 to 1), north up; see-through pixels are NaN."""
-    with Image.open(path, formats=FORMATS) as picture:
+    with _opened(path) as picture:
         width, height = picture.size
         check_size(height, width)
         mode = str(picture.mode)
@@ -44,6 +44,18 @@ def read_picture(path: Path) -> Raster:
             levels = _colour(picture, mode)
             what = f"8-bit picture of mode {mode}"
     return Raster(levels[::-1], what)
+
+
+def _opened(path: Path) -> Image.Image:
+    try:
+        return Image.open(path, formats=FORMATS)
+    except UnidentifiedImageError:
+        with path.open("rb") as file:
+            begins = file.read(8)
+        raise GroundError(
+            f"a picture of {', '.join(FORMATS)} is wanted; it is none, or cut short, and begins "
+            f"with {begins!r}"
+        ) from None
 
 
 def _clear_level(picture: Image.Image, path: Path) -> float:
@@ -91,8 +103,8 @@ def _one_level(channels: Any, clear: bool) -> Array:
         row, column = np.argwhere(unequal)[0]
         raise GroundError(
             "a picture whose channels are equal (grey) is wanted; this one is coloured: pixel "
-            f"[{row}, {column}] is red {red[row, column]:.3f}, green {green[row, column]:.3f}, "
-            f"blue {blue[row, column]:.3f} ({int(unequal.sum())} such)"
+            f"[{row}, {column}] is red {red[row, column]:.5f}, green {green[row, column]:.5f}, "
+            f"blue {blue[row, column]:.5f} ({int(unequal.sum())} such)"
         )
     levels = np.array(red, dtype=np.float64)
     if clear:

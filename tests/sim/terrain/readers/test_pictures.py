@@ -8,6 +8,7 @@ import pytest
 from PIL import Image
 
 from tests.sim.terrain.readers.files import ground, of_fixture
+from walking_console.sim.terrain.generators import GroundError
 
 
 @pytest.mark.parametrize("mode", ["RGB", "RGBA", "LA", "P"])
@@ -81,3 +82,20 @@ def test_the_level_that_one_sees_through_is_a_hole(tmp_path: Path, bits: int) ->
 def test_other_grey_pictures_are_read_as_well(tmp_path: Path, suffix: str) -> None:
     Image.new("L", (16, 12), 51).save(tmp_path / f"h.{suffix}")
     assert ground(tmp_path / f"h.{suffix}", cell=0.2).heights == pytest.approx(0.2, abs=0.01)
+
+
+@pytest.mark.parametrize("suffix", ["png", "jpg", "bmp", "pgm"])
+def test_what_is_no_picture_is_refused_by_what_it_begins_with(tmp_path: Path, suffix: str) -> None:
+    (tmp_path / f"h.{suffix}").write_bytes(b"GIF89a of another kind")
+    with pytest.raises(GroundError, match="is wanted; .* begins with b'GIF89a o'") as refused:
+        ground(tmp_path / f"h.{suffix}")
+    assert str(tmp_path) not in str(refused.value)
+
+
+def test_colours_that_differ_by_one_level_of_16_bits_are_told_apart(tmp_path: Path) -> None:
+    levels = np.full((12, 48), 12000)
+    levels[0, 2] = 12001
+    with (tmp_path / "h.png").open("wb") as file:
+        png.Writer(16, 12, greyscale=False, bitdepth=16).write(file, levels.tolist())
+    with pytest.raises(GroundError, match=r"green 0\.18311, blue 0\.18312 \(1 such\)"):
+        ground(tmp_path / "h.png")
