@@ -119,6 +119,9 @@ def _merged(
         if len(changes) % MOVES_PAUSE == MOVES_PAUSE - 1:
             yield
         for j in range(k + 1, min(k + together + 1, len(nodes))):
+            # legs that the search itself moves together are as many as its gait has
+            if j > k + 1 and len(_differing(nodes[k].feet, nodes[j].feet)) > TOGETHER:
+                continue
             change = _change(reachable, nodes[k], nodes[j])
             if change is not None:
                 best = j, change
@@ -131,8 +134,6 @@ def _merged(
 
 def _change(reachable: Reachability, a: _Node, b: _Node) -> _Change | None:
     """The change from one state to another in one move, None where it cannot be."""
-    if len(_differing(a.feet, b.feet)) > TOGETHER:
-        return None
     carried = reachable.between(a.feet, b.feet)
     lifting = a.part & carried
     placing = b.part & carried

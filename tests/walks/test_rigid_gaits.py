@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -45,3 +46,30 @@ def test_ripple_is_about_twice_as_fast_as_wave_with_two_legs_in_the_air(
     assert 1.8 < ripple["distance"] / wave["distance"] < 2.6
     in_the_air = (~open_run(tmp_path / "run").ticks["support"]).sum(axis=1)
     assert np.max(in_the_air) == 2
+
+
+def ringed(legs: int) -> str:
+    """A robot card of legs all round, as a scenario's inline table."""
+    boxes = []
+    for k in range(legs):
+        turn = math.pi / legs * (2 * k + 1)
+        x, y = 0.45 * math.cos(turn), 0.4 * math.sin(turn)
+        box = f"x=[{x - 0.09},{x + 0.09}],y=[{y - 0.07},{y + 0.07}],z=[-0.4,-0.2]"
+        boxes.append(f'{{name="{k + 1}",{box}}}')
+    return (
+        '{name="ring",title="ring",source="made up",mass=12.0,torso=[0.6,0.5,0.1],height=0.3,'
+        "foot_radius=0.02,friction=0.8,yaw_length=0.3,duty_factor=0.75,lift_up=0.05,lift_down=0.08,"
+        f"speed=[0.5,0.5,0.5],overreach=[0.02,0.02,0.04],legs=[{','.join(boxes)}]}}"
+    )
+
+
+@pytest.mark.parametrize("legs", [7, 8])
+def test_more_legs_walk_the_tripod_too_which_lifts_four_at_a_time(legs: int) -> None:
+    keys = (f"robot={ringed(legs)}", "end={time=10.0}", "drive=[{speed=0.3}]")
+    wave = walked(SIX, *keys, "gait.rigid=wave")
+    tripod = walked(SIX, *keys, "gait.rigid=tripod")
+    free = run_scenario(load_scenario("flat", (*keys, "planner=trace", "expect={}")))
+    for summary in (wave, tripod, free):
+        assert summary["result"] == "completed" and summary["falls"] == 0
+    assert tripod["distance"] > 3.0 * wave["distance"] > 0.6
+    assert free["distance"] >= 0.95 * tripod["distance"]
