@@ -214,12 +214,14 @@ class Viewer:
 
     def follow(self, x: float, y: float, z: float, yaw: float) -> None:
         """Bring the world under the camera so that a machine at x, y, z (m), heading ``yaw`` (rad),
-        stays before it.
+        stays before it; at once, as the machine's own move goes out.
         """
         self.turn = -yaw if self.shot.turns else 0.0
         c, s = direction(self.turn / 2)
-        self.world.wxyz = (c, 0.0, 0.0, s)
-        self.world.position = (*turned(-x, -y, self.turn), -z)
+        with self.client.atomic():
+            self.world.wxyz = (c, 0.0, 0.0, s)
+            self.world.position = (*turned(-x, -y, self.turn), -z)
+        self.client.flush()
         self._moves += 1
         if self._moves % LOOKS_EVERY == 0:
             self.rise_above_ground()

@@ -34,6 +34,7 @@ class Client:
         self.scene = server.scene
         self.gui = server.gui
         self.atomic = server.atomic
+        self.flush = server.flush
         self.camera = SimpleNamespace(
             aspect=aspect, position=None, look_at=None, up_direction=None, on_update=self._on_update
         )
