@@ -313,6 +313,10 @@ class PingFrame(Shape):
     model_config = example(type="ping", sent_ms=8120.5)
     type: Literal["ping"]
     sent_ms: Annotated[float, Field(ge=0.0, le=1e15, description="the sender's own clock")]
+    echo_tick: Annotated[
+        int | None,
+        Field(ge=0, le=SEQUENCE_MAX, description="the newest tick seen; who lags gets fewer"),
+    ] = None
 
 
 LeaseAct = DriveFrame | TakeFrame | ReleaseFrame | StopFrame | RearmFrame | PostureFrame

@@ -1,5 +1,5 @@
 """``WS /drive``: commands in, snapshots out. One ``DriveSocket`` per page: one task hears, one
-shows; a slow page misses snapshots, nobody else does.
+shows; a page whose link is slow misses snapshots, nobody else does.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ from ..explanation_frames import ahead_frame, decision_frame
 from ..frames import HelloFrame, LeaseFrame, PongFrame, RefusedFrame, as_text, style_frame
 from ..limits import DRIVE_FRAME_MAX, DRIVE_SEND_TIME, DRIVERS_MAX
 from ..problems import problem
-from ..schemas import BadFrame, PingFrame, read_frame
+from ..schemas import BadFrame, DriveFrame, PingFrame, read_frame
 from ..sessions import DEAD_MAN, TooFast
+from ..show_pace import ShowPace
 from ..socket_end import GONE, close
 from ..tokens import WATCHES
 from .state import AppState, ConsoleState
 
-SHOW_RATE = 30.0  # Hz, snapshots to one page at most, but what a hand has done shows at once
 EAGER_TIME = 0.2  # s after another command in which every snapshot is shown
 REFUSALS_KEPT = 16
 NOTHING_AHEAD = as_text({"type": "ahead"})
@@ -89,6 +89,7 @@ class DriveSocket:
         self._command = Command()  # the one it was made under
         self._eager_until = 0.0  # s, monotonic
         self._machine = state.loop.newest.machine  # the one whose style was sent
+        self._pace = ShowPace(time.monotonic())
         self._ahead: object = None  # the foresight last shown
         self._decision: object = None  # the decision last shown
 
@@ -176,6 +177,8 @@ class DriveSocket:
         except BadFrame as error:
             self._lease.refusals += 1
             return RefusedFrame(seq=error.seq, code="bad_frame", reason=str(error))
+        if isinstance(frame, PingFrame | DriveFrame) and frame.echo_tick is not None:
+            self._pace.note(self._state.loop.age_of(frame.echo_tick), time.monotonic())
         if isinstance(frame, PingFrame):
             self._ping = HeardPing(frame, time.monotonic())
             return None
@@ -202,10 +205,10 @@ class DriveSocket:
 
     async def _pause(self) -> None:
         """Until there is something to show. What a hand has done is shown at once, and so is what
-        comes of it; the walk itself at ``SHOW_RATE``.
+        comes of it; the walk itself at the page's pace.
         """
         with contextlib.suppress(TimeoutError):
-            async with asyncio.timeout(1.0 / SHOW_RATE):
+            async with asyncio.timeout(1.0 / self._pace.rate):
                 while not self._is_urgent():
                     await self._next_change()
         while self._up_to_date():
@@ -214,7 +217,8 @@ class DriveSocket:
     def _is_urgent(self) -> bool:
         if self._asked() or self._state.loop.newest.command != self._command:
             return True
-        return time.monotonic() < self._eager_until and not self._up_to_date()
+        eager = time.monotonic() < self._eager_until and not self._pace.is_thinned
+        return eager and not self._up_to_date()
 
     def _up_to_date(self) -> bool:
         return self._state.text() is self._text and not self._asked()

@@ -215,7 +215,7 @@ function watch() {
 function watchOpen(time) {
   if (!pinged && time > pingDue) {
     pinged = time;
-    send({ type: "ping", sent_ms: time });
+    send({ type: "ping", sent_ms: time, echo_tick: tick });
   }
   if (isLate()) drop("late");
   if (age() > GONE) lose();

@@ -13,9 +13,11 @@ from starlette.testclient import WebSocketDenialResponse, WebSocketTestSession
 from starlette.websockets import WebSocketDisconnect
 
 from walking_console.planner.robot.model import load_machine
+from walking_console.server import show_pace
 from walking_console.server.api import drive_socket
 from walking_console.server.limits import DRIVE_FRAME_MAX, DRIVERS_MAX
 from walking_console.server.realtime_loop import RealtimeLoop
+from walking_console.server.show_pace import ShowPace
 from walking_console.sim.scenario_files import load_scenario
 from walking_console.sim.world import prepare
 from walking_console.web.scene.palette import style_of
@@ -316,7 +318,7 @@ def test_what_a_hand_has_done_shows_at_once_and_so_does_what_comes_of_it(
     client: TestClient, loop: RealtimeLoop, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Pictures come once in a hundred seconds here; only what is urgent comes sooner."""
-    monkeypatch.setattr(drive_socket, "SHOW_RATE", 0.01)
+    monkeypatch.setattr(show_pace, "SHOW_RATE", 0.01)
     monkeypatch.setattr(drive_socket, "EAGER_TIME", 100.0)
     with page(client) as one:
         one.told("snapshot")
@@ -328,8 +330,27 @@ def test_what_a_hand_has_done_shows_at_once_and_so_does_what_comes_of_it(
             assert (shown["tick"], shown["speed_m_s"]) == (tick, 0.08)
 
 
+def test_what_a_page_shows_is_weighed_by_its_age(
+    client: TestClient, loop: RealtimeLoop, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ages: list[float | None] = []
+    monkeypatch.setattr(ShowPace, "note", lambda pace, age, now: ages.append(age))
+    with page(client) as one:
+        one.told("snapshot")
+        loop.tick()
+        one.socket.send_json({"type": "ping", "sent_ms": 1.0, "echo_tick": loop.newest.tick})
+        one.told("pong")
+        one.socket.send_json({"type": "ping", "sent_ms": 2.0, "echo_tick": 10**6})
+        one.told("pong")
+        one.socket.send_json({"type": "ping", "sent_ms": 3.0})
+        one.told("pong")
+        one.press()
+        one.told("lease")
+    assert ages == [0.0, None, 0.0]
+
+
 def test_a_refusal_shows_at_once(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(drive_socket, "SHOW_RATE", 0.01)
+    monkeypatch.setattr(show_pace, "SHOW_RATE", 0.01)
     with page(client) as one:
         one.told("snapshot")
         one.socket.send_text("no frame")
