@@ -4,9 +4,7 @@ from __future__ import annotations
 
 SHOW_RATE = 30.0  # Hz, snapshots to one page at most
 SLOWEST = 6.0  # Hz; less: the picture itself makes a hand late
-LATE = (
-    0.12  # s that a picture takes from which on fewer are sent; longer: the hand drives by the past
-)
+LATE = 0.12  # s that a picture takes from which on fewer are sent; longer: old pictures drive
 FRESH = 0.05  # s that it takes up to which more are
 LOOKS_EVERY = 0.2  # s between two changes; shorter: it changes before the last change is seen
 LESS, MORE = 0.6, 1.15  # times the rate; a link that was too narrow is tried with care
