@@ -14,6 +14,7 @@ import pytest
 from fastapi.testclient import TestClient
 
 from tests.server.command_line import called
+from walking_console.sim.runs.reader import open_run
 
 FIXTURES = Path(__file__).parents[1] / "fixtures"
 DOG = FIXTURES / "robot-option-and-folders" / "robots" / "dog.toml"
@@ -71,6 +72,15 @@ def test_a_run_folder_is_replayed_and_exported_where_it_was_handed_to(
     exported = called("export", tmp_path / "handed-on", "--to", "html")
     assert exported.exit_code == 0, exported.output
     assert str(tmp_path) not in (tmp_path / "handed-on" / "run.json").read_text()
+
+
+@pytest.mark.parametrize("case", ["stairs-as-stl"], indirect=True)
+def test_a_staircase_of_triangles_is_climbed_to_its_top(case: Path) -> None:
+    summary = summary_of("s.toml")
+    assert summary["seconds"] < 90.0 and not summary["falls"]
+    ticks = open_run(Path("out")).ticks
+    assert ticks["feet"][-1, :, 2] == pytest.approx(0.3, abs=1e-3)
+    assert ticks["body"][-1, 2] == pytest.approx(0.85 + 0.3, abs=0.02)
 
 
 DOG_TABLE = tomllib.loads(DOG.read_text())

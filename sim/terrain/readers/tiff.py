@@ -2,7 +2,8 @@
 
 The first row is north, as in every map viewer. Tags read: ModelPixelScale 33550,
 ModelTiepoint 33922, ModelTransformation 34264, GeoKeyDirectory 34735 (1024 GTModelType: 2 is
-degrees; 3076 ProjLinearUnits), GDAL_NODATA 42113; GDAL_METADATA is not. Compressed files that
+degrees; 3076 ProjLinearUnits), GDAL_NODATA 42113, and of GDAL_METADATA 42112 scale and offset of
+the heights. Compressed files that
 tifffile cannot unpack by itself go to Pillow, those of 64 bits to ``tiff_codecs``.
 """
 
@@ -10,6 +11,7 @@ from __future__ import annotations
 
 import logging
 import math
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -34,6 +36,7 @@ TRANSFORMATION = 34264
 GEO_KEYS = 34735
 CHANNELS_MAX = 16
 GDAL_NODATA = 42113
+GDAL_METADATA = 42112
 MODEL_TYPE_KEY = 1024
 PALETTE = 3  # of what PhotometricInterpretation says
 WHITE = 257.0  # of a palette's 16 bits, so that 255 is white
@@ -57,14 +60,15 @@ def read_tiff(path: Path) -> Raster:
         values = _in_colours(_pixels(page, path), page)
         tags = {code: page.tags[code].value for code in _TAGS if code in page.tags}
         alpha = _has_alpha(page)
-    heights = _one_channel(values, alpha)
+    scale, offset = _said_of_heights(tags, "scale", 1.0), _said_of_heights(tags, "offset", 0.0)
+    heights = _one_channel(values, alpha) * scale + offset
     cell = _cell(tags)
     return Raster(
         _north_up(heights, _matrix(tags)),
         f"{values.dtype} GeoTIFF" if cell is not None else f"{values.dtype} TIFF",
         cell,
         None,
-        _nodata(tags.get(GDAL_NODATA)),
+        tuple(value * scale + offset for value in _nodata(tags.get(GDAL_NODATA))),
         latitude=_latitude(tags, cell),
     )
 
@@ -107,7 +111,7 @@ def _north_up(heights: Array, matrix: Sequence[float]) -> Array:
     return heights[:: 1 if northwards else -1, :: -1 if westwards else 1]
 
 
-_TAGS = (PIXEL_SCALE, TIEPOINT, TRANSFORMATION, GEO_KEYS, GDAL_NODATA)
+_TAGS = (PIXEL_SCALE, TIEPOINT, TRANSFORMATION, GEO_KEYS, GDAL_NODATA, GDAL_METADATA)
 
 
 def _pixels(page: Any, path: Path) -> Any:
@@ -192,6 +196,20 @@ def _corner(tags: dict[int, Any]) -> tuple[float, float]:
         return tie[3], tie[4]
     matrix = [float(v) for v in np.ravel(tags.get(TRANSFORMATION, ()))]
     return (matrix[3], matrix[7]) if len(matrix) == 16 else (0.0, 0.0)
+
+
+def _said_of_heights(tags: dict[int, Any], role: str, without: float) -> float:
+    """What GDAL's metadata (XML) say that the first channel's numbers are to be taken times, or
+    plus.
+    """
+    item = re.search(
+        rf"<Item\b(?=[^>]*role=\"{role}\")(?![^>]*sample=\"[1-9])[^>]*>\s*([-+.\deE]+)\s*<",
+        str(tags.get(GDAL_METADATA, "")),
+    )
+    try:
+        return without if item is None else float(item.group(1))
+    except ValueError:
+        return without
 
 
 def _nodata(said: Any) -> tuple[float, ...]:

@@ -126,6 +126,27 @@ def test_rows_that_run_north_are_not_turned_over(tmp_path: Path) -> None:
     assert made.cell == pytest.approx(0.2)
 
 
+def test_heights_packed_as_whole_numbers_are_unpacked_as_gdal_says(tmp_path: Path) -> None:
+    item = '<Item name="{}" sample="{}" role="{}">{}</Item>'
+    said = "".join(
+        item.format(*words)
+        for words in (
+            ("OFFSET", 1, "offset", 7),
+            ("OFFSET", 0, "offset", 0.5),
+            ("SCALE", 0, "scale", "1e-3"),
+        )
+    )
+    metadata = f"<GDALMetadata>{said}</GDALMetadata>"
+    tags = [PLACED, (42112, 2, len(metadata) + 1, metadata, False), (42113, 2, 7, "-32768", False)]
+    packed = np.round(HILL[::-1] * 1000.0).astype(np.int16)
+    packed[0, 3] = -32768
+    tifffile.imwrite(tmp_path / "h.tif", packed, extratags=tags)
+    made = ground(tmp_path / "h.tif", nan="hole")
+    wanted = np.round(HILL, 3) + 0.5
+    wanted[11, 3] = np.nan
+    np.testing.assert_allclose(made.heights, wanted)
+
+
 def test_columns_that_run_west_are_turned_over(tmp_path: Path) -> None:
     matrix = (-0.2, 0, 0, 5e5, 0, 0.2, 0, 4e6, 0, 0, 0, 0, 0, 0, 0, 1)
     tifffile.imwrite(tmp_path / "h.tif", HILL, extratags=[(34264, 12, 16, matrix, False)])
