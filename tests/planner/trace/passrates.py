@@ -1,6 +1,6 @@
 """Pass rates of free and rigid gaits against the fraction of ground allowed.
 
-``python -m tests.planner.trace.passrates FOLDER [seeds]`` writes ``trace-pass-rates.md`` and
+``python -m tests.planner.trace.passrates FOLDER [seeds]`` writes ``trace-pass-rates-table.md`` and
 ``.png`` into FOLDER. Not a test: it takes a while.
 """
 
