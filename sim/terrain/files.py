@@ -44,6 +44,7 @@ CELLS_MAX = 4_000_000  # of a map that is walked on, whatever the format
 HEIGHT_MAX = 10.0  # m from 0; beyond it heights are above some sea, and are brought to the start
 RELIEF_MAX = 100.0  # m from the start; more is no ground for a walker
 DEFAULT_CELL = 0.05  # m
+EQUAL = 1e-6  # of a side, by which the sides of a square cell may differ: rounding, far from 0
 DEGREE = 111_195.0  # m of a great circle
 WINDOW = 25.0  # m around the start that is kept of a map with cells of more than ``CELL_MAX``
 WINDOW_CELL = 0.05  # m, what such a map is interpolated to
@@ -299,7 +300,7 @@ def _square(found: _Map, start: tuple[float, float]) -> _Map:
     dx, dy = found.cell
     if max(dx, dy) > CELL_MAX:
         return _window(found, start)
-    if abs(dx - dy) <= 1e-9 * max(dx, dy):
+    if abs(dx - dy) <= EQUAL * max(dx, dy):
         return found
     cell = min(dx, dy)
     ny, nx = found.heights.shape

@@ -227,4 +227,7 @@ def _spacing(values: Array, axis: str) -> float:
     steps = steps[steps > EVEN * max(float(np.ptp(values)), 1e-12) / max(len(places), 1)]
     if not len(steps):
         raise GroundError(f"all points have the same {axis}")
-    return float(np.median(steps)) if np.ptp(steps) < 0.05 * steps.min() else float(steps.min())
+    step = float(np.median(steps)) if np.ptp(steps) < 0.05 * steps.min() else float(steps.min())
+    whole = float(np.ptp(values))
+    # far from 0 a single step is rounded; all of them together hardly are
+    return whole / max(1, round(whole / step))

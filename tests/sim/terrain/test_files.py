@@ -226,7 +226,7 @@ def test_coloured_pictures_are_refused_with_the_pixel(tmp_path: Path) -> None:
     picture = Image.new("RGB", (8, 8))
     picture.putpixel((5, 2), (255, 0, 0))
     picture.save(tmp_path / "h.png")
-    with pytest.raises(GroundError, match=r"coloured: pixel \[2, 5\] is red 1.000, green 0.000"):
+    with pytest.raises(GroundError, match=r"coloured: pixel \[2, 5\] is red 1.00000, green 0."):
         from_file(tmp_path / "h.png")
 
 

@@ -131,6 +131,22 @@ def test_points_in_any_order_are_a_map_with(tmp_path: Path, what: str) -> None:
     assert made.cell == 0.25
 
 
+@pytest.mark.parametrize("decimals", [2, 6])
+def test_points_far_from_0_are_a_map_of_square_cells(tmp_path: Path, decimals: int) -> None:
+    rows = [(437123.25 + x, 5312345.75 + y, z) for x, y, z in PLACES]
+    body = "\n".join(f"{x:.{decimals}f} {y:.{decimals}f} {z:.3f}" for x, y, z in rows)
+    (tmp_path / "h.xyz").write_text(body)
+    made = ground(tmp_path / "h.xyz")
+    np.testing.assert_allclose(made.heights, NORTH[::-1], atol=1e-12)
+    assert made.cell == pytest.approx(0.25) and "interpolated" not in made.note
+
+
+def test_points_a_rounding_apart_are_of_square_cells(tmp_path: Path) -> None:
+    rows = [(437123.21 + 0.2 * x, 5312345.77 + 0.2 * y, z) for x, y, z in PLACES]
+    (tmp_path / "h.xyz").write_text("\n".join(f"{x:.3f} {y:.3f} {z:.3f}" for x, y, z in rows))
+    assert ground(tmp_path / "h.xyz").note == "point list, 7 x 6 of 0.05 m"
+
+
 def test_a_place_without_a_point_is_a_hole(tmp_path: Path) -> None:
     (tmp_path / "h.xyz").write_text("\n".join(points("").replace(",", " ").split("\n")[1:]))
     made = ground(tmp_path / "h.xyz", nan="hole")
