@@ -14,7 +14,7 @@ from typing import Any, Protocol
 
 import pytest
 from PIL import Image, ImageChops
-from playwright.sync_api import Browser, BrowserContext, Page
+from playwright.sync_api import Browser, BrowserContext, Page, TimeoutError
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 SOFTWARE_DRAWING = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
@@ -102,6 +102,19 @@ def until(page: Page, holds: Callable[[], bool]) -> None:
     said = page.inner_text("#toast")
     seen = now(page.url.split("?")[0].rstrip("/"))
     raise AssertionError(f"still not so after {PATIENCE:g} s, last said: {said!r}: {seen}")
+
+
+def take_over(page: Page) -> None:
+    """Take the machine over from the page of a test before, unless that lets go just now."""
+    take = page.locator("#take")
+
+    def is_ours_or_free() -> bool:
+        if take.is_visible():
+            with contextlib.suppress(TimeoutError):
+                take.click(timeout=1000)
+        return not take.is_visible()
+
+    until(page, is_ours_or_free)
 
 
 class Visit(Protocol):

@@ -20,6 +20,7 @@ from tests.web.browsing import (
     detail,
     now,
     picture,
+    take_over,
     until,
 )
 
@@ -103,8 +104,7 @@ def visit(address: str, browser: Browser) -> Iterator[Visit]:
 def phone(address: str, visit: Visit) -> Page:
     """The console on a phone held sideways."""
     page = visit(844, 390, has_touch=True, is_mobile=True)
-    if page.locator("#take").is_visible():
-        page.tap("#take")
+    take_over(page)
     return page
 
 

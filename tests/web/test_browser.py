@@ -16,6 +16,7 @@ from tests.web.browsing import (
     load,
     now,
     picture,
+    take_over,
     until,
 )
 from walking_console.planner.robot.model import load_machine
@@ -260,7 +261,7 @@ def test_one_press_acts_once(address: str, page: Page) -> None:
 
 def test_closing_the_page_stops_the_machine(address: str, page: Page, visit: Visit) -> None:
     other = visit()
-    other.click("#take") if other.locator("#take").is_visible() else None
+    take_over(other)
     drag_until(other, 0.0, 1.0, lambda: now(address)["walked_m_s"] > 0.0)
     other.close()
     until(page, lambda: now(address)["speed_m_s"] == 0.0)
