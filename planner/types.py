@@ -208,6 +208,11 @@ class StepPlan:
             if array is not None:
                 array.setflags(write=False)
 
+    @property
+    def mean_speed(self) -> float:
+        """Over the whole step, m/s: less than ``speed`` where a swaying body needs more time."""
+        return self.speed if self.rates is None else self.shift / float(self.times[-1])
+
 
 @unique
 class Departure(Enum):

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
     from .simulation import Simulation
 
+SLOWER = 0.97  # of the speed a step is planned for; below it the sway is said to slow it down
+
 
 def take_snapshot(
     simulation: Simulation, *, paused: bool = False, rate: float = 1.0, late: float = 0.0
@@ -87,6 +89,7 @@ def _walk_fields(walk: GaitSupervisor) -> dict[str, Any]:
     return {
         "speed": walk.speed,
         "speed_max": walk.plan.speed_max if stepping else 0.0,
+        "sway_slows": bool(stepping and walk.plan.mean_speed < SLOWER * walk.plan.speed),
         "step": walk.steps_begun,
         "plan": walk.plan if walk.plays else None,
         "plan_time": walk.run.t,

@@ -106,7 +106,7 @@ class Snapshot:
     mode: Annotated[Mode, Sent(example="return")]
     reason: Annotated[str, Sent(example="")]  # why blocked, tipping or fallen; "" otherwise
     command: Annotated[Command, COMMANDED]
-    speed: Annotated[float, Sent("walked_m_s", example=0.1)]  # m/s, what is walked now
+    speed: Annotated[float, Sent("walked_m_s", example=0.1)]  # m/s, in the mean of the running step
     # m/s, v_max of the running step; 0 when none runs
     speed_max: Annotated[float, Sent("speed_max_m_s", example=0.15)]
     margin: Annotated[float, Sent("margin_m", "longitudinal", 0.05, may_lack=True)]
@@ -150,6 +150,9 @@ class Snapshot:
     capabilities: Annotated[Capabilities, DECLARED] = Capabilities()
     # what the trace walker foresees; the same object until it foresees something else
     ahead: Annotated[GaitPreview | None, INSIDE] = None
+    sway_slows: Annotated[
+        bool, Sent("", "the body's sway gives the running step more time than its legs need", False)
+    ] = False
     # of the feet that touch the ground and are meant to carry
     contact_margin: Annotated[
         float,

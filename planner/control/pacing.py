@@ -25,7 +25,7 @@ def pace_for(run: Execution, command: Command) -> float:
     plan = run.tracker.plan
     if plan.speed <= 0.0:
         return _in_reach(run, 1.0)
-    wanted = math.hypot(command.speed, run.machine.yaw_length * command.turn_rate)
+    wanted = _asked(run, command)
     if run.compliant is not None and run.compliant.slips:
         wanted *= SLOWER
     if plan.speed_max > 0.0:
@@ -34,6 +34,17 @@ def pace_for(run: Execution, command: Command) -> float:
     if ratio > 1.0 + 1e-12:
         return _in_reach(run, min(ratio, max(1.0, _pace_max(run))))
     return _in_reach(run, ratio if ratio < 1.0 and run.tracker.body_moves(run.t) else 1.0)
+
+
+def _asked(run: Execution, command: Command) -> float:
+    """The speed asked for, m/s, as if the step were as fast as it was planned for: one that the
+    sway has made slower anyway is not to be slower than the command, nor one without way on.
+    """
+    plan = run.tracker.plan
+    asked = math.hypot(command.speed, run.machine.yaw_length * command.turn_rate)
+    if plan.rates is None or asked >= plan.speed * (1.0 - 1e-9):
+        return asked
+    return plan.speed if asked >= plan.mean_speed else asked * plan.speed / plan.mean_speed
 
 
 def _pace_max(run: Execution) -> float:

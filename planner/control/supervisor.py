@@ -10,6 +10,8 @@ meet what the map does not show (``contact_reflexes``). They share a ``WalkState
 
 from __future__ import annotations
 
+import math
+
 from ..protocols import Planner
 from ..terrain.map import TerrainMap
 from ..types import Blocked, Command, Mode, Phase, Point, Sensing, Stance, StepPlan
@@ -132,8 +134,13 @@ class GaitSupervisor:
 
     @property
     def speed(self) -> float:
-        """Speed of the centre of gravity along the course now, m/s."""
-        return self.plan.speed * self.run.pace if self.steps else 0.0
+        """Of the body on its course, in the mean of the step; while it comes to rest, now: m/s."""
+        if self.steps:
+            return self.plan.mean_speed * self.run.pace
+        if self.activity is not Activity.SETTLE:
+            return 0.0
+        vx, vy, _, turn = self.run.tracker.velocity_at(self.run.t)
+        return math.hypot(vx, vy, self.run.machine.yaw_length * turn)
 
     @property
     def loads(self) -> tuple[float, ...] | None:

@@ -33,6 +33,19 @@ def test_it_shows_the_step_that_runs_and_why_it_was_chosen(walking: Simulation) 
     assert 0.0 < seen.speed <= seen.speed_max
 
 
+def test_a_step_that_takes_longer_for_the_sway_is_shown_as_fast_as_it_is() -> None:
+    for body, slows in (("straight", False), ("sway", True)):
+        simulation = Simulation(load_scenario("flat", [f'gait.body="{body}"']))
+        simulation.drive(crab_angle=1.57, speed=0.08)
+        shown = []
+        for _ in range(500):
+            simulation.step()
+            shown.append(take_snapshot(simulation))
+        assert any(seen.sway_slows for seen in shown) == slows
+        slow = [seen for seen in shown if seen.sway_slows]
+        assert all(seen.speed < 0.97 * 0.08 for seen in slow)
+
+
 def test_a_machine_that_stands_runs_no_step() -> None:
     seen = take_snapshot(Simulation(load_scenario("flat")))
     assert seen.mode is Mode.STAND

@@ -66,10 +66,12 @@ def test_a_stick_pushed_farther_and_farther_out_is_answered_meanwhile():
     assert seen.way > 0.08 * SECONDS * 0.8 and seen.stood < 2.5 and not seen.amiss
 
 
-def test_a_body_that_waits_for_its_foot_does_not_wait_longer_when_the_stick_is_drawn_back():
+@pytest.mark.parametrize("body", ["straight", "sway"])
+def test_a_body_that_waits_for_its_foot_does_not_wait_longer_when_the_stick_is_drawn_back(body):
     # it must step on the spot at first
     feet = "start.feet=[[0.3597,0.3961],[-0.4831,0.4484],[-0.6305,-0.3041],[0.6321,-0.3430]]"
-    console = Simulation(prepare(load_scenario("flat", [feet, "gait.duty_factor=0.888"])))
+    settings = [feet, "gait.duty_factor=0.888", f'gait.body="{body}"']
+    console = Simulation(prepare(load_scenario("flat", settings)))
     console.order(Command(math.radians(-57.6), 0.08))
     for _ in range(500):
         console.step()

@@ -10,9 +10,15 @@ from walking_console.sim.simulation import Simulation
 SLACK = 1e-9  # m
 
 
-@pytest.mark.parametrize("name", ["fig16", "fig6a"])
-def test_feet_keep_v_in_every_tick_and_springing_soles_add_no_more_than_they_give(name):
-    sim = Simulation(load_scenario(name))
+# a swaying walk has time to spare: its feet need not go as fast as they can
+@pytest.mark.parametrize(
+    ("name", "body", "share"),
+    [("fig16", "straight", 0.9), ("fig6a", "straight", 0.9), ("fig6a", "sway", 0.85)],
+)
+def test_feet_keep_v_in_every_tick_and_springing_soles_add_no_more_than_they_give(
+    name, body, share
+):
+    sim = Simulation(load_scenario(name, [f'gait.body="{body}"']))
     sim.drive(speed=1.0)
     most = [limit * TICK for limit in sim.world.machine.speed]
     fastest = 0.0
@@ -25,4 +31,4 @@ def test_feet_keep_v_in_every_tick_and_springing_soles_add_no_more_than_they_giv
             assert all(way <= limit + SLACK for way, limit in zip(went, most, strict=True)), leg
             assert abs(sim.plant.feet[leg][2] - feet[leg]) <= most[2] + SOLE_GAP
             fastest = max(fastest, went[2])
-    assert fastest > 0.9 * most[2]
+    assert fastest > share * most[2]

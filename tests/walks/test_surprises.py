@@ -69,7 +69,17 @@ def test_it_walks_blind_over_ground_it_has_no_map_of(scenario, ticks, way):
 
 
 def test_a_hit_stops_the_body_within_one_tick_and_the_foot_goes_back_up_and_over():
-    console = blind("stairs-up")
+    console = blind("stairs-up", 'gait.body="straight"')
+    x = hit(console)
+    assert console.mode is Mode.EMERGENT
+    assert console.plant.body[0] == pytest.approx(x, abs=1e-9)
+    sequence = states_met(console, SLOW, 400)
+    assert sequence[:2] == [FootState.RETRACE, FootState.RETRY]
+    assert FootState.NORMAL in sequence
+
+
+def hit(console):
+    """Walk until a whisker touches, and a tick on, in which it is sensed: where the body was."""
     console.order(SLOW)
     for _ in range(5000):
         before = console.plant.whiskers[:]
@@ -77,12 +87,22 @@ def test_a_hit_stops_the_body_within_one_tick_and_the_foot_goes_back_up_and_over
         if any(console.plant.whiskers) and not any(before):
             break
     x = console.plant.body[0]
-    console.step()  # the contact is sensed in this tick
+    console.step()
+    return x
+
+
+def test_a_hit_brings_a_swaying_body_to_rest_as_soon_as_its_margin_allows():
+    console = blind("stairs-up", 'gait.body="sway"')
+    x = hit(console)
     assert console.mode is Mode.EMERGENT
-    assert console.plant.body[0] == pytest.approx(x, abs=1e-9)
-    sequence = states_met(console, SLOW, 400)
-    assert sequence[:2] == [FootState.RETRACE, FootState.RETRY]
-    assert FootState.NORMAL in sequence
+    for _ in range(20):
+        console.step()
+    rest = console.plant.body[0]
+    assert rest - x < 0.01
+    for _ in range(10):
+        console.step()
+        assert console.mode is Mode.EMERGENT
+        assert console.plant.body[0] == pytest.approx(rest, abs=1e-9)
 
 
 def test_a_higher_obstacle_is_climbed_in_steps():

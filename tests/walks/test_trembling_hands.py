@@ -74,10 +74,12 @@ def test_a_tremor_of_one_degree_costs_at_most_3_percent_and_half_the_margin(
     assert margin >= 0.5 * kept
 
 
+@pytest.mark.parametrize(("body", "least"), [("straight", 9.3), ("sway", 8.8)])
 def test_the_reported_hand_walks_as_far_as_a_steady_one(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, body: str, least: float
 ) -> None:
     monkeypatch.chdir(tmp_path)
     runpy.run_path(str(MAKE))
-    summary = run_scenario(load_scenario("s.toml"))
+    settings = (f'gait.body="{body}"', f"expect.distance_min={least}")
+    summary = run_scenario(load_scenario("s.toml", settings))
     assert succeeded(summary), summary["expect"]

@@ -75,6 +75,7 @@ export interface SnapshotFrame extends Command {
   blocked_by: string;
   walked_m_s: number;
   speed_max_m_s: number;
+  sway_slows: boolean;
   margin_m: number | null;
   polygon_margin_m: number | null;
   flags: boolean[]; // F1, F2, F3 of H §9.3

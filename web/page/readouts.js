@@ -105,6 +105,7 @@ function showSpeed(s) {
   write("walked", s.walked_m_s.toFixed(3));
   write("asked", s.speed_m_s.toFixed(2));
   write("most", limited ? s.speed_max_m_s.toFixed(3) : "–");
+  div("sway-slows").hidden = !s.sway_slows;
   restyle("speed-bar", "width", `${(100 * s.walked_m_s) / full}%`);
   restyle("speed-asked", "left", `${(100 * s.speed_m_s) / full}%`);
   restyle("speed-most", "left", `${limited ? (100 * s.speed_max_m_s) / full : -10}%`);

@@ -41,6 +41,17 @@ def test_a_swaying_body_changes_its_pace_no_faster_than_its_acceleration_allows(
     assert run.pace == pytest.approx(0.02 / run.plan.speed)
 
 
+def test_a_step_that_the_sway_has_made_slow_is_not_made_slower_by_what_it_keeps_anyway():
+    run = swaying()
+    asked = replace(run.plan, speed=2.0 * run.plan.mean_speed, speed_max=1.0)
+    run.play(asked)
+    run.pace = 1.0
+    assert pace_for(run, Command(0.0, 1.01 * asked.mean_speed)) == 1.0
+    for _ in range(200):
+        run.pace = pace_for(run, Command(0.0, 0.5 * asked.mean_speed))
+    assert run.pace == pytest.approx(0.5)
+
+
 def test_a_straight_body_stops_dead_and_a_swaying_one_has_a_way_to_rest():
     run = swaying()
     x, y, z, yaw = run.tracker.body_at(run.t)
