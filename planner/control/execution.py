@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 
 from ..config import PlannerConfig, Tolerances
-from ..geometry.transforms import attitude_of, direction
+from ..geometry.transforms import Body, attitude_of, direction
 from ..motion.body_sway import bounds_of
 from ..motion.step_builder import holding_plan, with_feet
 from ..motion.swing_profile import gentle, legs_on_known_ground
@@ -24,6 +24,12 @@ AHEAD = 0.7  # cosine, 45°: a body further aside of its course than that is bes
 # where the aim is hardly below the ground; larger: see it feel on over every hole
 FELT_BELOW = 0.005
 FEELS_ON_MAX = 3  # ticks a foot feels on at its aim: one to get there, one to feel, one to say so
+
+
+def resting(stance: Stance, place: Body) -> Stance:
+    """A stance whose body comes to rest at a place beside its reference."""
+    x, y, _, _ = stance.body
+    return replace(stance, sway=(place[0] - x, place[1] - y), velocity=(0.0, 0.0))
 
 
 class Execution:
@@ -58,6 +64,7 @@ class Execution:
         # None: a plant that does exactly what it is told
         self.compliant = CompliantController.wanted(machine, self.config, self.tolerances)
         self._felt_on = 0  # ticks the feet have felt on for ground since the plan was over
+        self.rested: Stance | None = None  # with its reference, as a swaying body came to rest
 
     # the plan
 
@@ -94,6 +101,8 @@ class Execution:
 
     def hold(self, stance: Stance) -> None:
         """Stand as it stands, from a step-switching point on."""
+        if stance.sway != (0.0, 0.0):
+            self.rested = resting(stance, stance.place)
         self.stance = stance.at_rest()
         self.play(holding_plan(self.stance))
         self.pace = 0.0
@@ -212,6 +221,12 @@ class Execution:
             x, y, z, yaw = (place + last - before for place, last, before in way)
         reference = (x - end.sway[0], y - end.sway[1], z, yaw)
         return replace(actual, body=reference, sway=end.sway, velocity=end.velocity)
+
+    def standing(self, sensing: Sensing) -> Stance:
+        """What the next step is decided from: by the reference that a body still rests beside."""
+        if self.rested and self.actual(sensing, self.rested) == self.rested.at_rest():
+            return self.rested
+        return self.actual(sensing, self.stance)
 
     def actual(self, sensing: Sensing, expected: Stance) -> Stance:
         """The sensed stance, at rest, or ``expected`` itself when it came out so."""

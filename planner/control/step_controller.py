@@ -38,7 +38,7 @@ class StepController:
             return
         stance = job.stance_asked(now.command, now.terrain)
         if stance is None:
-            stance = self._run.actual(now.sensing, self._run.stance)
+            stance = self._run.standing(now.sensing)
         answer = job.answer_standing(stance, now.command, now.terrain)
         asked = job.asked
         if answer is not None and asked is not None:

@@ -13,7 +13,7 @@ from ..motion.step_builder import changed, holding_plan
 from ..terrain.map import TerrainMap
 from ..types import Blocked, Command, Sensing, Stance, StepPlan
 from .activities import PLACING, Activity, Event, after
-from .execution import Execution
+from .execution import Execution, resting
 from .pacing import braking_from, braking_now
 from .plan_job import PlanJob
 from .setbacks import Setbacks
@@ -137,6 +137,7 @@ class WalkState:
             return False
         self.job.forget()
         run.stance = stance
+        run.rested = resting(stance, way.body[-1])
         self.happens(Event.CUT_SHORT)
         run.play(way.onto(holding_plan(way.rest_of(stance))))
         run.interrupted = None

@@ -43,11 +43,15 @@ def test_it_goes_round_both_holes_and_comes_back_to_the_line(tmp_path):
     assert abs(y[-1]) < 0.1 and walk.summary["off_line"] < 0.1
 
 
-def test_without_detours_it_stops_at_the_hole_and_says_why():
-    console = console_of("fig14", "detours=false")
-    walk_on(console, 3500)
+@pytest.mark.parametrize(("body", "aside"), [("straight", 1e-6), ("sway", 0.05)])
+def test_without_detours_it_stops_at_the_hole_and_says_why(body, aside):
+    console = console_of("fig14", "detours=false", f'gait.body="{body}"')
+    walk_on(console, 2400)
     assert console.mode is Mode.BLOCKED and "leg" in console.reason
-    assert console.plant.body[1] == pytest.approx(0.0, abs=1e-6)
+    steps = console.walk.steps_begun
+    walk_on(console, 1100)
+    assert console.mode is Mode.BLOCKED and console.walk.steps_begun == steps
+    assert console.plant.body[1] == pytest.approx(0.0, abs=aside)
 
 
 def test_a_hole_across_the_whole_map_is_not_gone_round():
