@@ -75,7 +75,7 @@ LOWEST_TESTS := tests/sim tests/server tests/web tests/test_examples.py
 test-lowest:
 	@$(PYTHON) -m venv --clear $(LOWEST)
 	@$(LOWEST)/bin/python -m pip --disable-pip-version-check install --quiet -c constraints-lowest.txt -e '.[figures,mcap]' \
-		'click>=8.2' httpx hypothesis packaging playwright psutil pytest setuptools
+		'click>=8.2' httpx hypothesis packaging playwright psutil pytest 'setuptools>=77'
 	$(LOWEST)/bin/python -m pytest -W default -p no:cacheprovider -m 'not slow and not browser' $(PYTEST_ARGS) $(LOWEST_TESTS)
 
 clean:

@@ -42,7 +42,8 @@ def test_a_ramp_goes_its_way_from_rest_to_rest_and_its_speed_has_no_jumps(ramps)
     speeds = rates_of(ramps, ramps.seconds)
     step = ramps.seconds / 4000
     assert speeds[0] == 0.0 and speeds[-1] == pytest.approx(0.0, abs=1e-9)
-    assert np.trapezoid(speeds, dx=step) == pytest.approx(ramps.way, rel=1e-4)
+    way = step * (speeds[1:] + speeds[:-1]).sum() / 2.0  # by trapezoids
+    assert way == pytest.approx(ramps.way, rel=1e-4)
     acceleration = np.diff(speeds) / step
     jerk = abs(np.diff(acceleration)).max() / step
     assert jerk * TICK < 60.0  # m/s² in a tick: no stairs, which are without bound
