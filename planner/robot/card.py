@@ -6,8 +6,8 @@ Every reader appends what is wrong to ``faults`` and goes on, so that a refusal 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, TypeVar
 
 from ..geometry.transforms import Point
 from .card_keys import (
@@ -36,6 +36,8 @@ ANGLE_MAX = 2.0 * math.pi
 MASS_SLACK = 0.01  # share of the mass by which torso and legs may differ from it
 
 KINDS = ("slides", "insect", "mammal", "serial")
+
+T = TypeVar("T", float, Point)
 
 
 def shown(value: Any) -> str:
@@ -86,22 +88,28 @@ def triple(value: Any, key: str, faults: list[str]) -> Point:
     return a, b, c
 
 
+def _admitted(
+    read: Callable[[Any, str, list[str]], T],
+    value: Any,
+    key: CardKey,
+    faults: list[str],
+    where: str,
+) -> T:
+    found = len(faults)
+    result = read(value, f"{where}{key.name}", faults)
+    if len(faults) == found:
+        faults.extend(filter(None, [key.fault(result, where)]))
+    return result
+
+
 def admitted_number(value: Any, key: CardKey, faults: list[str], where: str = "") -> float:
     """A number within the limits of its key."""
-    found = len(faults)
-    read = number(value, f"{where}{key.name}", faults)
-    if len(faults) == found:
-        faults.extend(filter(None, [key.fault(read, where)]))
-    return read
+    return _admitted(number, value, key, faults, where)
 
 
 def admitted_triple(value: Any, key: CardKey, faults: list[str], where: str = "") -> Point:
     """Three numbers within the limits of their key."""
-    found = len(faults)
-    read = triple(value, f"{where}{key.name}", faults)
-    if len(faults) == found:
-        faults.extend(filter(None, [key.fault(read, where)]))
-    return read
+    return _admitted(triple, value, key, faults, where)
 
 
 def unknown_keys(

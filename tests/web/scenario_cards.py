@@ -3,8 +3,6 @@ every shipped scenario in a browser and keeps what it looks like on the way in `
 """
 
 import io
-import os
-import subprocess
 import sys
 import tempfile
 import time
@@ -14,10 +12,10 @@ from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
 from tests.web.browsing import BROWSER, FLAGS, Visits, load, now, tell
+from tests.web.conftest import serving
 from walking_console.sim.scenario_files import scenario_names
 
-ROOT = Path(__file__).resolve().parents[2]
-CARDS = ROOT / "web" / "page" / "cards"
+CARDS = Path(__file__).resolve().parents[2] / "web" / "page" / "cards"
 SHOT = (640, 360)  # px, of the window
 SIZE = (320, 180)  # px, of the card
 QUALITY = 82
@@ -53,19 +51,11 @@ def take(page: Page, address: str, name: str) -> None:
 
 def main(names: list[str]) -> None:
     CARDS.mkdir(exist_ok=True)
-    words = "-m walking_console serve --port 0 --no-open --scenario flat --data".split()
     with (
         tempfile.TemporaryDirectory() as data,
-        subprocess.Popen(
-            [sys.executable, *words, data],
-            env={**os.environ, "PYTHONPATH": str(ROOT)},
-            stdout=subprocess.PIPE,
-            text=True,
-        ) as server,
+        serving(Path(data)) as (address, _),
         sync_playwright() as playwright,
     ):
-        assert server.stdout is not None
-        address = server.stdout.readline().strip()
         browser = playwright.chromium.launch(executable_path=BROWSER, args=list(FLAGS))
         page = Visits(address, browser).open(*SHOT, scene=True)
         page.evaluate(BARE)
@@ -74,7 +64,6 @@ def main(names: list[str]) -> None:
         for name in names:
             take(page, address, name)
         browser.close()
-        server.terminate()
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@
 import { ask } from "./api.js";
 import { button, input, write } from "./dom.js";
 import { onPress } from "./press.js";
-import { sentence } from "./readouts.js";
+import { degrees, sentence } from "./readouts.js";
 import { REST } from "./stick_values.js";
 
 const LOOK = 120; // ms between looks where a click has pointed
@@ -75,8 +75,7 @@ export class ExactCourse {
     const [x, y] = said.split(" ").map(Number);
     const [bodyX, bodyY, , , , yaw] = this.newest.body;
     const angle = Math.atan2(y - bodyY, x - bodyX) - yaw;
-    const bearing = (Math.atan2(Math.sin(angle), Math.cos(angle)) * 180) / Math.PI;
-    this.angle.value = bearing.toFixed(1);
+    this.angle.value = degrees(Math.atan2(Math.sin(angle), Math.cos(angle))).toFixed(1);
     this.distance.value = Math.hypot(x - bodyX, y - bodyY).toFixed(2);
     this.#lookAhead();
   }
