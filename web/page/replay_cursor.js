@@ -46,7 +46,11 @@ function mark(at) {
 function follow() {
   const at = playback();
   if (at) mark(at);
-  requestAnimationFrame(follow);
 }
 
-requestAnimationFrame(follow);
+// The player moves its slider once a picture; the lines move with it, not a picture later.
+new MutationObserver(follow).observe(document.body, {
+  subtree: true,
+  attributeFilter: ["aria-valuenow", "aria-valuemax"],
+});
+follow();
