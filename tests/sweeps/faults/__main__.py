@@ -8,10 +8,16 @@ from __future__ import annotations
 
 import argparse
 
-from tests.sweeps.faults import floods, links, pages, table, thumbs
+from tests.sweeps.faults import desktop, floods, links, pages, table, thumbs
 from tests.sweeps.faults.table import Fault
 
-FAULTS: tuple[Fault, ...] = (*thumbs.FAULTS, *pages.FAULTS, *links.FAULTS, *floods.FAULTS)
+FAULTS: tuple[Fault, ...] = (
+    *thumbs.FAULTS,
+    *pages.FAULTS,
+    *desktop.FAULTS,
+    *links.FAULTS,
+    *floods.FAULTS,
+)
 
 
 def main() -> None:
