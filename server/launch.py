@@ -22,7 +22,7 @@ from .api.app import create_app
 from .api.errors import HTTPProblem
 from .api.kept_world import KeptWorld
 from .api.state import WORLD, AppSettings
-from .api.terrain_edits import edit_under, painted
+from .api.terrain_edits import STROKES_A_TICK, edit_under, painted
 from .bounded_log import OURS, BoundedHandler, LogBudget, is_of_others
 from .browser import open_page
 from .listening import (
@@ -155,6 +155,8 @@ def _scene(bridge: ViserBridge, loop: RealtimeLoop) -> Callable[[Snapshot], None
     scene = Scene(bridge.server)
 
     def paint(brush: str, x: float, y: float, radius: float) -> None:
+        if loop.requests_waiting >= STROKES_A_TICK:
+            return  # the next stroke is near enough
         with contextlib.suppress(HTTPProblem):  # beside the map
             loop.request(edit_under(painted(brush, x, y, radius), loop.newest.terrain))
 

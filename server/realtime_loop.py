@@ -117,6 +117,11 @@ class RealtimeLoop:
         self.simulation.request(request)
         self._changed = True
 
+    @property
+    def requests_waiting(self) -> int:
+        """How many requests the next simulated tick will serve."""
+        return self.simulation.requests_waiting
+
     def reset(self) -> None:
         """Back to the start of the scenario; forgives a fault."""
         self._begin_again(Reset())

@@ -137,6 +137,11 @@ class Simulation:
         """Leave a request for the next step, from any thread; they are served in order."""
         self._inbox.append(request)
 
+    @property
+    def requests_waiting(self) -> int:
+        """How many requests the next step will serve."""
+        return len(self._inbox)
+
     # -- the world moves
 
     def run(self, seconds: float) -> None:
@@ -159,8 +164,7 @@ class Simulation:
         readings.append(plant.sense())
         sensing = readings[0]  # an old one where sensors are late
         velocities = walk.advance(sensing, command, perception.belief)
-        body = plant.body
-        x, y = body[0], body[1]
+        x, y = plant.body[:2]
         plant.move(velocities, walk.loads)
         body = plant.body
         self.velocity = ((body[0] - x) / TICK, (body[1] - y) / TICK)
@@ -177,7 +181,8 @@ class Simulation:
         if lapses is not None and self.tick_count >= lapses:
             command = HOLD
         if command is not self.command and command != self.command:
-            self._tell(self.tick_count, command)
+            if self.on_input is not None:
+                self.on_input(self.tick_count, command)
             self.command = command
         return command
 
@@ -199,25 +204,20 @@ class Simulation:
     # -- requests
 
     def serve_requests(self) -> None:
-        """Serve what was requested; ``step`` does it first, a paused clock does it alone.
+        """Serve what was requested until now; ``step`` does it first, a paused clock does it alone.
 
         A request that cannot be served is dropped whole and ``refused`` says why: an edit, when
-        another world came first.
+        another world came first. What comes meanwhile waits, so that a step always ends.
         """
-        while self._inbox:
+        for _ in range(len(self._inbox)):
             request = self._inbox.popleft()
             tick = self.tick_count
             try:
                 served = self._serve(request)
             except ValueError as refusal:
-                self.refused = str(refusal)
-                continue
-            if served:
-                self._tell(tick, request)
-
-    def _tell(self, tick: int, given: object) -> None:
-        if self.on_input is not None:
-            self.on_input(tick, given)
+                served, self.refused = False, str(refusal)
+            if served and self.on_input is not None:
+                self.on_input(tick, request)
 
     def _serve(self, request: Request) -> bool:
         """Do what is requested; False when there was nothing to do. Raises ``ValueError``."""

@@ -32,8 +32,8 @@ from ..schemas import (
 )
 from .errors import HTTPProblem
 from .scenario_choice import world_of
-from .state import AppState, ConsoleState
-from .terrain_edits import edit_under, packed_terrain
+from .state import SETTLE_TIME, AppState, ConsoleState
+from .terrain_edits import EDITS_A_TICK, edit_under, packed_terrain
 
 ADVANCE_TIME = 20.0  # s
 KEPT_TIME = 0.05  # s an answer waits for the disk to know of a stop, which has begun already
@@ -269,7 +269,12 @@ async def terrain_file(state: ConsoleState) -> Response:
 
 @router.patch("/terrain", dependencies=CHANGING)
 async def terrain(body: TerrainBody, state: ConsoleState) -> dict[str, Any]:
-    """Dig a hole, raise or lower, forbid or clear cells."""
-    edit = edit_under(body, state.loop.newest.terrain)
-    state.loop.request(edit)
+    """Dig a hole, raise or lower, forbid or clear cells. Edits that come faster than the walk can
+    take them wait for each other.
+    """
+    loop = state.loop
+    if not await state.until(lambda: loop.requests_waiting < EDITS_A_TICK, SETTLE_TIME):
+        raise HTTPProblem(503, "the walk stands still: the edit was not made")
+    edit = edit_under(body, loop.newest.terrain)
+    loop.request(edit)
     return {"action": edit.action, "cells": len(edit.cells)}

@@ -164,3 +164,19 @@ def test_a_snapshot_cannot_be_changed_and_does_not_change():
     assert snapshot.body == body
     with pytest.raises(ValueError, match="read-only"):
         snapshot.terrain.forbidden[0, 0] = True
+
+
+def test_requests_that_come_while_others_are_served_wait_for_the_next_step() -> None:
+    simulation = Simulation(load_scenario("flat"))
+    served = []
+
+    def ask_again(tick: int, given: object) -> None:
+        served.append(tick)
+        simulation.request(Edit("raise", ((3, 3),), 0.01))
+
+    simulation.on_input = ask_again
+    simulation.request(Edit("raise", ((3, 3),), 0.01))
+    for _ in range(3):
+        simulation.step()
+    assert served == [0, 1, 2]
+    assert simulation.requests_waiting == 1

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-from walking_console.server.api.terrain_edits import painted
+from walking_console.server.api.terrain_edits import EDITS_A_TICK, painted
 from walking_console.server.realtime_loop import RealtimeLoop
 
 
@@ -48,3 +48,16 @@ def test_a_touch_of_a_brush_is_a_terrain_edit() -> None:
     lowered = painted("lower", 1.0, 2.0, 0.12)
     assert lowered.action == "raise" and lowered.amount_m is not None and lowered.amount_m < 0.0
     assert painted("dig", 1.0, 2.0, 0.12).amount_m is None
+
+
+def test_edits_that_come_faster_than_ticks_wait_for_one(
+    client: TestClient, loop: RealtimeLoop
+) -> None:
+    waiting = []
+    for column in range(10, 10 + 3 * EDITS_A_TICK):
+        body = {"action": "dig", "cells": [[10, column]]}
+        assert client.patch("/api/v1/console/terrain", json=body).status_code == 200
+        waiting.append(loop.requests_waiting)
+    assert max(waiting) == EDITS_A_TICK
+    loop.tick()
+    assert np.isnan(loop.newest.terrain.heights[10, 10 : 10 + 3 * EDITS_A_TICK]).all()

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import argparse
 
-from tests.sweeps.faults import desktop, floods, links, pages, table, thumbs
+from tests.sweeps.faults import desktop, edits, floods, links, pages, table, thumbs
 from tests.sweeps.faults.table import Fault
 
 FAULTS: tuple[Fault, ...] = (
@@ -17,6 +17,7 @@ FAULTS: tuple[Fault, ...] = (
     *desktop.FAULTS,
     *links.FAULTS,
     *floods.FAULTS,
+    *edits.FAULTS,
 )
 
 
