@@ -148,6 +148,20 @@ def test_a_menu_that_opens_lets_the_keys_go(address: str, page: Page, menu: str)
     page.keyboard.up("w")
 
 
+def test_the_press_that_lets_a_key_go_opens_no_list(address: str, page: Page) -> None:
+    held(page, address)
+    page.mouse.click(*middle(page, "#scenario"))
+    page.keyboard.down("w")  # its repeats would be letters to choose by
+    stays(page, address, 0.5)
+    assert page.evaluate("document.activeElement.id") != "scenario"
+    assert now(address)["scenario"] == "flat"
+    page.keyboard.up("w")
+    page.mouse.click(*middle(page, "#scenario"))
+    assert page.evaluate("document.activeElement.id") == "scenario"
+    page.keyboard.press("Escape")
+    page.evaluate("document.activeElement.blur()")
+
+
 def middle(page: Page, selector: str) -> tuple[float, float]:
     box = page.locator(selector).bounding_box()
     assert box is not None

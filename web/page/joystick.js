@@ -140,13 +140,14 @@ export class Joystick {
     this.show();
   }
 
-  /** Keys move nothing before they are pressed anew. */
+  /** Keys move nothing before they are pressed anew; whether one did. */
   liftKeys() {
-    if (!this.keys.size) return;
+    if (!this.keys.size) return false;
     for (const code of this.keys) this.ignored.add(code);
     this.ignoredSeen = performance.now();
     this.keys.clear();
     this.show();
+    return true;
   }
 
   /** Whether a hand holds anything here, as far as the page can see. */

@@ -147,12 +147,27 @@ function letGoWhenLeft() {
 function letGoWhereItCannotBeSeen() {
   window.addEventListener("contextmenu", (event) => event.defaultPrevented || letGo());
   window.addEventListener("handsoff", letGo); // from the scene's frame
-  for (const list of document.querySelectorAll("select")) {
-    for (const opened of ["pointerdown", "focus"]) list.addEventListener(opened, letGo);
-  }
+  for (const list of document.querySelectorAll("select")) letGoBeforeList(list);
   document.documentElement.addEventListener("mouseleave", ({ clientX: x, clientY: y }) => {
     const inside = x > 0 && y > 0 && x < window.innerWidth && y < window.innerHeight;
     if (!inside) stick.liftKeys();
+  });
+}
+
+/**
+ * An open list takes the repeats of a held key for letters to choose by: the press that lets the key
+ * go does not open it.
+ * @param {HTMLSelectElement} list
+ */
+function letGoBeforeList(list) {
+  let keyWasHeld = false;
+  list.addEventListener("focus", letGo);
+  list.addEventListener("pointerdown", () => {
+    keyWasHeld = stick.liftKeys();
+    letGo();
+  });
+  list.addEventListener("mousedown", (event) => {
+    if (keyWasHeld) event.preventDefault();
   });
 }
 

@@ -110,7 +110,8 @@ def context_menu(desktop: Desktop, page: Page) -> None:
 
 def scenario_list(desktop: Desktop, page: Page) -> None:
     desktop.point(page, "#scenario")
-    desktop.do("click", "1")
+    desktop.do("click", "1")  # lets go of the key, and no more
+    desktop.do("sleep", "0.7", "click", "1")
 
 
 def browser_menu(desktop: Desktop, _: Page) -> None:
