@@ -169,6 +169,13 @@ class Contact:
     # of its planned load, that a leg must carry before another is lifted. More: see it wait for
     # legs that hardly count
     load_share: float = 0.1
+    # m a foot that has lost its load or slips is below or beside where it stood, before its
+    # foothold is said to give way. Smaller: see it step off stones that rock; larger: see the body
+    # tilt first
+    gives_way: float = 0.01
+    # m inside the other legs' polygon that the body must be for a foot to be drawn off a foothold
+    # that gives way. Smaller: see it tip; larger: see it stay on what sinks
+    spare: float = 0.005
     # m beyond the rim of the foot that whiskers feel. More: see it take shown ground for a surprise
     whisker_tip: float = 0.05
 
@@ -190,6 +197,8 @@ LENGTHS_OF_CONTACT = (
     "wall_length",
     "edge_depth",
     "shy",
+    "gives_way",
+    "spare",
     "whisker_tip",
 )
 

@@ -258,6 +258,7 @@ class Reason(Enum):
     # no place for a foot in the air
     NO_PLACE = "no ground within reach to set the lifted foot down"
     NO_PLACE_FOR_ANY = "no ground within reach to set any lifted foot down"
+    GAVE_WAY = "the ground gave way under the foot, and no other foothold is in its reach"
     # no posture
     POSTURE_KEPT_FROM = "something keeps the machine from the posture asked for"
     CANNOT_LEVEL = "the legs cannot level the body here: drive on first"

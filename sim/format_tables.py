@@ -25,7 +25,7 @@ from walking_console.planner.robot.card_keys import CARD_TABLES, CardKey
 from .range_sensor import EyeSettings
 from .scenario import Scenario
 from .scenario_tables import Drive, End, Expect, GaitChange, Noise, OwnGait, StartPlace
-from .terrain.generators import KINDS
+from .terrain.generators import KINDS, LoosePatch
 from .trace_tables import Trace
 
 TABLES: tuple[tuple[str, type[BaseModel]], ...] = (
@@ -38,6 +38,7 @@ TABLES: tuple[tuple[str, type[BaseModel]], ...] = (
     ("[expect]", Expect),
     ("[eye]", EyeSettings),
     ("[noise]", Noise),
+    ("[[terrain.gives_way]]", LoosePatch),
 )
 BOUNDS = {"ge": "at least", "gt": "more than", "le": "at most", "lt": "less than"}
 

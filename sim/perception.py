@@ -19,16 +19,18 @@ from walking_console.planner.control.execution import feet_absolute
 from walking_console.planner.control.supervisor import GaitSupervisor
 from walking_console.planner.control.touch_memory import Felt
 from walking_console.planner.geometry.transforms import left_fold_sum
+from walking_console.planner.protocols import Plant
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.terrain.mapping import ElevationMapper
 from walking_console.planner.terrain.traversability import classify_again
 from walking_console.planner.types import Command, Sensing
 
+from .giving_ground import GivingGround
 from .range_sensor import RangeSensor
 from .requests import Edit, edited, rows_and_columns
 from .snapshot import TerrainView
 from .terrain.ground import Ground
-from .world import World
+from .world import World, true_forbidden
 
 # rad; before it sets out the range sensor has looked everywhere
 ALL_ROUND = (0.0, 2 * math.pi / 3, -2 * math.pi / 3)
@@ -46,6 +48,7 @@ class Perception:
     def __init__(self, world: World, body: Sequence[float], revision: int = 0) -> None:
         self.world = world
         self.ground = world.ground
+        self.loose = GivingGround(world.scenario.terrain.gives_way, world.machine)
         self.belief = world.belief
         self.true_forbidden = world.forbidden
         # cells an operator has forbidden, whatever their height
@@ -114,6 +117,21 @@ class Perception:
         self.mapper.learn(felt.prohibited)
         self.mapper.feel(felt.heights)
         self._believe(self.mapper.publish())
+
+    def give_way(self, plant: Plant[Ground]) -> None:
+        """Loose ground goes down under the feet; the belief stays, for feet and eye to find it
+        out.
+        """
+        ground = self.loose.after(plant, self.ground)
+        if ground is self.ground:
+            return
+        self.ground = ground
+        self.true_forbidden = true_forbidden(ground, self.world.machine) | self._marked
+        if self.range_sensor is not None:
+            self.range_sensor.replace_ground(ground)
+        self._view = None
+        self.revision += 1
+        plant.replace_ground(ground)
 
     def edit(self, edit: Edit) -> None:
         """Change the true ground; raises ``ValueError`` before anything has changed.

@@ -166,6 +166,8 @@ class Simulation:
         velocities = walk.advance(sensing, command, perception.belief)
         x, y = plant.body[:2]
         plant.move(velocities, walk.loads)
+        if perception.loose.holding:
+            perception.give_way(plant)
         body = plant.body
         self.velocity = ((body[0] - x) / TICK, (body[1] - y) / TICK)
         if not command.holds:

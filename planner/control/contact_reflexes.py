@@ -11,15 +11,16 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from ..geometry.transforms import placed
 from ..motion.body_tilt import leaning
 from ..terrain.map import TerrainMap
 from ..types import TICK, Blocked, Point, Reason, Stance, StepPlan
 from .activities import PLACING, Activity, Event
-from .encounter import ContactEvent, Encounter, FootState, Situation, ceiling, motion
+from .encounter import ContactEvent, Encounter, FootState, Situation, motion
 from .execution import feet_absolute
-from .feelers import Feelers, Touch, felt_towards, hangs_over_towards
-from .touch_memory import CellSet, Felt, cell_of, cells_ahead, cells_near, edge_cells
+from .feelers import Feelers, Touch
+from .foothold_watch import FootholdWatch
+from .touch_lessons import TouchLessons
+from .touch_memory import CellSet, Felt, cells_near
 from .walk_state import Now, WalkState
 
 AT_GOAL = 0.01  # m; a foot this near its landing point, seen from above, is over it
@@ -42,19 +43,37 @@ class ContactReflexes:
         self._settings = state.run.config.contact
         legs = len(state.run.machine.legs)
         self._standing_min = legs if standing_min is None else standing_min
-        self._felt = Felt()
+        self._lessons = TouchLessons(state.run)
         # near where this encounter found no ground: searched last, not remembered
         self._shunned: CellSet = set()
         # in the air beside the foot that is seen to: still to be seen to, and without any ground
         self._waiting: tuple[int, ...] = ()
         self._stranded: tuple[int, ...] = ()
+        self._footholds = FootholdWatch(state.run)
+        self._sinking: int | None = None  # the leg whose foothold gave way, still to be seen to
 
     def is_surprised(self, now: Now) -> bool:
         """One tick of a plan: begins an encounter when a foot meets what the map does not show."""
         touch = self._feelers.surprise(now.sensing, now.terrain)
         if touch is None:
-            return False
+            return self.loses_a_foothold(now)
         self._meet(touch, self._run.in_the_air(), now)
+        return True
+
+    def loses_a_foothold(self, now: Now) -> bool:
+        """Case 3 under a leg that carries: legs in the air are put down first, then it is seen
+        to.
+        """
+        leg = self._footholds.gone(now.sensing)
+        if leg is None:
+            return False
+        self._lessons.gave_way(feet_absolute(now.sensing)[leg], now.terrain)
+        lifted = self._run.stance.lifted if self._state.stands else ()
+        airborne = self._run.in_the_air() or list(lifted)
+        self._sinking = leg
+        first = airborne[0] if airborne else leg
+        event = ContactEvent.LEFT if airborne else self._left(leg, now)
+        self._meet(Touch(event, first, None), (*airborne, leg), now)
         return True
 
     def find_no_ground(self, now: Now) -> float:
@@ -84,7 +103,7 @@ class ContactReflexes:
         self._state.job.shake.dismiss()
         if touch.event is ContactEvent.HIT:
             self._call()
-        self._learn(touch, now)
+        self._lessons.learn(touch, None, self._state.activity in PLACING, now)
         self._waiting = tuple(leg for leg in airborne if leg != touch.leg)
         self._stranded = ()
         self._begin(touch, now)
@@ -123,7 +142,9 @@ class ContactReflexes:
             return
         touch = self._feelers.noticed(encounter, now.sensing, now.terrain)
         if touch is not None:
-            self._learn(touch, now)
+            if touch.event is ContactEvent.EDGE and self._sinking is not None:
+                touch = touch._replace(event=ContactEvent.LANDED)  # it is needed, on an edge or not
+            self._lessons.learn(touch, encounter, True, now)
             after = encounter.after(touch.event, self._is_at_top(touch, now), touch.bearing)
             self._follow(after, touch.bearing, now)
 
@@ -155,6 +176,8 @@ class ContactReflexes:
         self.encounter = encounter
         if isinstance(answer, StepPlan):
             return self._state.interrupt(answer, Event.TOUCHED)
+        if encounter.yielded:
+            answer = Blocked(Reason.GAVE_WAY, encounter.leg)
         self._stranded += (encounter.leg,)
         self._see_to_next(now, answer)
 
@@ -175,7 +198,13 @@ class ContactReflexes:
         self._state.stand_still(now, stranded)
 
     def _left(self, leg: int, now: Now) -> ContactEvent:
-        """Over its landing point a foot has found no ground; elsewhere it is only left over."""
+        """Over its landing point a foot has found no ground; elsewhere it is only left over. Of one
+        whose foothold gave way it depends on whether the others can do without it.
+        """
+        if leg == self._sinking:
+            self._sinking = None
+            can_go = self._footholds.may_rise(leg, now.sensing)
+            return ContactEvent.GAVE_WAY if can_go else ContactEvent.SANK
         foot = feet_absolute(now.sensing)[leg]
         goal = self._goal(leg, now)
         over = math.hypot(foot[0] - goal[0], foot[1] - goal[1]) <= AT_GOAL
@@ -193,7 +222,7 @@ class ContactReflexes:
             return Blocked(Reason.NO_PLACE, encounter.leg)
         away = self._settings.shy * encounter.misses
         self._shunned |= cells_near(here.feet[encounter.leg], away, terrain)
-        left = terrain.forbid(self._felt.prohibited | self._shunned)
+        left = terrain.forbid(self._lessons.felt.prohibited | self._shunned)
         return self._motion(replace(encounter, state=FootState.PLACE), here, bearing, left)
 
     def _motion(
@@ -210,71 +239,14 @@ class ContactReflexes:
         held = tuple(sorted((*self._waiting, *self._stranded)))
         return holding_up(frame.restored(answer, here), held)
 
-    def _learn(self, touch: Touch, now: Now) -> None:
-        """What touch has shown: how high ground stands beside the foot, and which cells no foot may
-        land on, or a rectangle of them along an edge whose direction was felt.
-        """
-        foot = feet_absolute(now.sensing)[touch.leg]
-        under = cell_of(foot, now.terrain)
-        if touch.event is ContactEvent.HIT and touch.bearing is not None:
-            self._felt.raise_to(self._ahead(foot, touch.bearing, now.terrain), foot[2])
-        if self._bars_the_way(touch.event) and self.encounter is not None:
-            edge = felt_towards(self.encounter, now.sensing)
-            edge = self.encounter.felt if edge is None else edge
-            barred = under if edge is None else self._edge(foot, edge, now.terrain)
-            self._felt.prohibited |= barred
-            if edge is not None and touch.event is ContactEvent.TOP:
-                wall = self._wall(foot, edge, now)
-                self._felt.raise_to(wall - under, self._beyond_reach(touch.leg, now))
-        elif touch.event is ContactEvent.EDGE:
-            edge = hangs_over_towards(touch.leg, now.sensing)
-            along = set() if edge is None else self._edge(foot, edge, now.terrain)
-            self._felt.prohibited |= along | under
-        elif touch.event is ContactEvent.NO_GROUND and self._state.activity in PLACING:
-            self._felt.prohibited |= under
-            self._felt.dig(under)
-
-    def _wall(self, foot: Point, bearing: float, now: Now) -> CellSet:
-        """Cells of what no leg can be drawn over: as far to either side as is supposed, but not
-        where feet stand.
-        """
-        size = self._settings.wall_length, self._settings.edge_depth
-        cells = cells_ahead(foot, bearing, now.terrain, size)
-        for leg, place in enumerate(feet_absolute(now.sensing)):
-            if now.sensing.soles[leg]:
-                cells -= cells_near(place, self._settings.edge_depth, now.terrain)
-        return cells
-
-    def _beyond_reach(self, leg: int, now: Now) -> float:
-        """A height, m, that this leg cannot be drawn up to."""
-        here = self._run.actual(now.sensing, self._run.plan.end)
-        return ceiling(here, leg, self._run.machine) + self._settings.lift_step
-
-    def _ahead(self, foot: Point, bearing: float, terrain: TerrainMap) -> CellSet:
-        """The cell at the tip of a whisker."""
-        reach = self._run.machine.foot_radius + self._settings.whisker_tip
-        x, y = placed((foot[0], foot[1], bearing), reach, 0.0)
-        return cell_of((x, y, foot[2]), terrain)
-
-    def _bars_the_way(self, event: ContactEvent) -> bool:
-        if event is ContactEvent.TOP:
-            return True
-        placing = self.encounter is not None and self.encounter.state is FootState.PLACE
-        return event is ContactEvent.HIT and placing
-
-    def _edge(self, foot: Point, bearing: float, terrain: TerrainMap) -> CellSet:
-        return edge_cells(foot, bearing, terrain, self._settings)
-
     @property
     def has_news(self) -> bool:
         """True when touch has shown what the map does not know yet."""
-        return bool(self._felt)
+        return bool(self._lessons.felt)
 
     def take_felt(self) -> Felt:
         """What touch has shown of the ground, once."""
-        felt = self._felt
-        self._felt = Felt()
-        return felt
+        return self._lessons.take()
 
 
 def holding_up(plan: StepPlan, legs: tuple[int, ...]) -> StepPlan:

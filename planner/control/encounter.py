@@ -51,7 +51,9 @@ class ContactEvent(StrEnum):
     TOP = "top"  # the leg can be drawn no higher
     LANDED = "landed"
     NO_GROUND = "no ground"  # down to the bottom of the reach, and nothing
-    EDGE = "edge"  # the sole hangs over, or the foothold gave way
+    EDGE = "edge"  # the sole hangs over
+    GAVE_WAY = "gave way"  # the foothold, under a leg that the others can do without
+    SANK = "sank"  # the foothold, under a leg that is needed where it is
     FOUND = "found"
     NOTHING = "nothing"
     ORDER = "order"  # the operator wants to go on
@@ -62,6 +64,8 @@ TABLE: dict[tuple[FootState, ContactEvent], FootState] = {
     (FootState.NORMAL, ContactEvent.HIT): FootState.RETRACE,  # case 1
     (FootState.NORMAL, ContactEvent.NO_GROUND): FootState.DESCEND,  # case 2
     (FootState.NORMAL, ContactEvent.EDGE): FootState.WITHDRAW,  # case 3
+    (FootState.NORMAL, ContactEvent.GAVE_WAY): FootState.WITHDRAW,  # case 3
+    (FootState.NORMAL, ContactEvent.SANK): FootState.DESCEND,  # case 3
     (FootState.NORMAL, ContactEvent.LEFT): FootState.SEARCH,
     (FootState.RETRACE, ContactEvent.DONE): FootState.RETRY,  # (a) → (b)
     (FootState.RETRACE, ContactEvent.HIT): FootState.CLIMB,
@@ -101,6 +105,7 @@ class Encounter:
     edges: int = 0  # times it came down on an edge
     turns: int = 0  # changes of state so far
     felt: float | None = None  # rad, absolute: where the last hit was felt
+    yielded: bool = False  # it began with a foothold that gave way
 
     def after(
         self, event: ContactEvent, at_top: bool = False, felt: float | None = None
@@ -119,6 +124,7 @@ class Encounter:
             edges=self.edges + (event is ContactEvent.EDGE),
             turns=self.turns + 1,
             felt=self.felt if felt is None else felt,
+            yielded=self.yielded or event in (ContactEvent.GAVE_WAY, ContactEvent.SANK),
         )
 
 

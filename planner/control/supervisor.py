@@ -210,8 +210,12 @@ class GaitSupervisor:
     def _standing(self, now: Now) -> None:
         if self.postures.wanted:
             self.postures.take(now)
-        elif not now.holds and not self._soles.keeps_standing(now):
+        elif not now.holds and not self._loses_its_stand(now):
             self._steps.start(now)
+
+    def _loses_its_stand(self, now: Now) -> bool:
+        """True while a leg that should stand does not."""
+        return self.contacts.loses_a_foothold(now) or self._soles.keeps_standing(now)
 
     def _stepping(self, now: Now) -> None:
         run = self.run
@@ -233,7 +237,7 @@ class GaitSupervisor:
 
     def _settling(self, now: Now) -> None:
         run = self.run
-        if run.comes_to_rest:
+        if run.comes_to_rest or self.contacts.loses_a_foothold(now):
             return
         lifted = self.plan.end.lifted
         if all(run.landed(leg) for leg in self.plan.swing if leg not in lifted):

@@ -28,6 +28,7 @@ SMOOTH_CELL = 0.025  # m: smooth ground is resampled to cells no larger than thi
 CELL_MIN, CELL_MAX = 0.005, 1.0  # m
 ROWS_MAX = 2000  # of heights in a scenario, and of heights in each
 SEED_MAX = 2**63 - 1
+PATCHES_MAX = 200  # of ground that gives way
 
 CellSize = Annotated[float, Field(ge=CELL_MIN, le=10_000.0)]
 
@@ -67,6 +68,26 @@ class Site(NamedTuple):
     seed: int
 
 
+class LoosePatch(Table):
+    """A rectangle of ground that goes down, whole and at once, when a foot presses too hard on
+    it.
+    """
+
+    x: Annotated[list[MapMetres], Field(min_length=2, max_length=2)]  # m, absolute, from and to
+    y: Annotated[list[MapMetres], Field(min_length=2, max_length=2)]  # m, absolute, from and to
+    sinks: float = Field(default=0.1, gt=0.0, le=2.0)  # m it goes down
+    bears: float = Field(default=0.0, ge=0.0, le=1e6)  # N of one foot that it bears
+
+    @model_validator(mode="after")
+    def _has_an_extent(self) -> LoosePatch:
+        for name, (low, high) in (("x", self.x), ("y", self.y)):
+            if not low < high:
+                raise PydanticCustomError(
+                    "extent", "{name} needs two numbers, the lesser first", {"name": name}
+                )
+        return self
+
+
 class Terrain(Table):
     """What every kind has."""
 
@@ -76,6 +97,11 @@ class Terrain(Table):
     )
     edge: float = Field(
         default=EDGE, ge=0.0, le=0.1, description="m a foothold keeps from bottomless cells"
+    )
+    gives_way: list[LoosePatch] = Field(
+        default=[],
+        max_length=PATCHES_MAX,
+        description="patches that go down when a foot presses on them with more than they bear",
     )
 
 

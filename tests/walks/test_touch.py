@@ -58,3 +58,18 @@ def test_a_wall_met_by_touch_is_gone_round_or_ends_in_a_reason(
     )
     assert told.ending[0] == "blocked" or told.distance >= 5.0
     assert_stands_well(told)
+
+
+def test_a_foot_that_cannot_be_drawn_over_a_wall_goes_back_to_where_it_stood() -> None:
+    told = walk(
+        "block",
+        "sensing=none",
+        "mode=predictive",
+        'gait.body="straight"',
+        "terrain.height=1.0",
+        "terrain.angle_deg=60",
+        "terrain.at=1.5",
+        "end={time=40.0}",
+    )
+    assert told.ending[0] == "blocked" and "lifted foot" not in told.ending[1]
+    assert_stands_well(told)

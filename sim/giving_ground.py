@@ -1,0 +1,65 @@
+"""Ground that gives way: patches that go down once a foot presses on them hard enough.
+
+A patch goes down whole and at once, after the tick in which a foot has pressed on it with more than
+it bears: a crust that breaks, a loose slab. The machine is not told; it feels that a foot has lost
+its load.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from walking_console.planner.protocols import Plant
+from walking_console.planner.robot.model import Machine
+from walking_console.planner.stability import GRAVITY
+
+from .terrain.generators import LoosePatch
+from .terrain.ground import Ground
+
+
+class GivingGround:
+    """The patches of one ground that still hold."""
+
+    def __init__(self, patches: Sequence[LoosePatch], machine: Machine) -> None:
+        self.holding = tuple(patches)
+        self._weight = machine.mass * GRAVITY
+
+    def after(self, plant: Plant[Ground], ground: Ground) -> Ground:
+        """The ground as the feet leave it; the same one while everything holds."""
+        loads = self._loads(plant)
+        feet = list(zip(plant.feet, loads, strict=True))
+        broken = [patch for patch in self.holding if _is_overloaded(patch, feet)]
+        if not broken:
+            return ground
+        self.holding = tuple(patch for patch in self.holding if patch not in broken)
+        return ground.edited(cell for patch in broken for cell in _sunk(patch, ground))
+
+    def _loads(self, plant: Plant[Ground]) -> Sequence[float]:
+        """What every foot presses with, N: an even share where the plant does not say."""
+        if plant.loads:
+            return plant.loads
+        soles = plant.soles
+        share = self._weight / max(1, sum(soles))
+        return [share if on else 0.0 for on in soles]
+
+
+def _is_overloaded(patch: LoosePatch, feet: Sequence[tuple[Sequence[float], float]]) -> bool:
+    return any(
+        load > patch.bears
+        and patch.x[0] <= foot[0] <= patch.x[1]
+        and patch.y[0] <= foot[1] <= patch.y[1]
+        for foot, load in feet
+    )
+
+
+def _sunk(patch: LoosePatch, ground: Ground) -> Iterator[tuple[int, int, float]]:
+    """Row, column and new height, m, of every cell whose centre lies in a patch."""
+    x = ground.origin[0] + (np.arange(ground.columns) + 0.5) * ground.cell
+    y = ground.origin[1] + (np.arange(ground.rows) + 0.5) * ground.cell
+    columns = np.nonzero((x >= patch.x[0]) & (x <= patch.x[1]))[0].tolist()
+    rows = np.nonzero((y >= patch.y[0]) & (y <= patch.y[1]))[0].tolist()
+    for row in rows:
+        for column in columns:
+            yield row, column, float(ground.heights[row, column]) - patch.sinks
