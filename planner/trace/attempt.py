@@ -11,10 +11,10 @@ from typing import NamedTuple
 from ..geometry.paths import SampledPath
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
-from ..types import Gait, Stance
+from ..types import Gait, Point, Stance
 from .footholds import AIR, Footing, is_open, is_plenty, thinning
 from .lane import TraceWindow, lane_along
-from .moves import Move, moves_along
+from .moves import Move, moves_along, up_to_what_is_met
 from .periodic_gaits import RigidGait
 from .reachability import OutOfHeight, Reachability
 from .stability_table import MARGIN
@@ -24,6 +24,10 @@ from .state_sequence import SupportState
 # body lengths that the fastest gait must lead ahead to be walked until it is made anew; with less
 # the search stands still where it could still go on, with more it comes to walls it cannot leave
 LEAD_MIN = 1.25
+# ways that are given up because a leg would sweep through something tall, before what is left of
+# the last is walked. Fewer: see it stop before poles it could pass; more: see it plan long there
+BANS_MAX = 6
+BANNED = 0.10  # m about where such a leg would land that is looked at no more
 LEAD_OPEN_MIN = 0.1  # the same where nothing is forbidden: there are no blind alleys
 
 
@@ -131,11 +135,18 @@ class Attempt:
         start = SupportState(_footing(reachable, self.stance, course.start), course.start)
         if not reachable.accept(start.feet, start.at):
             return True
-        found = yield from self._search(reachable, start, count)
-        self.looked += found.looked
-        if found.farthest > self.path.farthest or not self.moves:
-            yield from self._take(reachable, found)
-        return found.complete
+        for _ in range(1 + BANS_MAX):
+            found = yield from self._search(reachable, start, count)
+            self.looked += found.looked
+            if found.farthest <= self.path.farthest and self.moves:
+                break
+            met = yield from self._take(reachable, found)
+            if met is None:
+                break
+            reachable.ban(*met, BANNED)
+            if not reachable.accept(start.feet, start.at):
+                break
+        return self.path.complete
 
     def _search(
         self, reachable: Reachability, start: SupportState, count: int
@@ -147,8 +158,12 @@ class Attempt:
         groups = _from_next(self.rigid, self.stance.last_swing)
         return (yield from search_rigid(reachable, start, goal, count, groups))
 
-    def _take(self, reachable: Reachability, found: StatePath) -> Generator[None, None, None]:
-        """Keep what was found: it leads farther."""
+    def _take(
+        self, reachable: Reachability, found: StatePath
+    ) -> Generator[None, None, tuple[int, Point] | None]:
+        """Keep what was found: it leads farther. Answers with the leg that would sweep through
+        something tall, and where to; what was found leads up to there only.
+        """
         self.path = found if found.complete else found.to_standing()
         beyond = min(found.farthest + 1, reachable.samples.count - 1)
         grazes = reachable.clearance.torso_grazes
@@ -156,9 +171,16 @@ class Attempt:
         self.out_of_height = None if found.complete else reachable.out_of_height(beyond)
         together = () if self.rigid is None else (1,)
         course = self.course
-        self.moves = yield from moves_along(
+        moves = yield from moves_along(
             reachable, self.path, course.offset, course.trace.step, *together
         )
+        clear, met = up_to_what_is_met(moves, reachable.legs)
+        self.moves = moves[:clear]
+        if met is not None:
+            s = self.moves[-1].course if self.moves else course.offset
+            farthest = round((s - course.offset) / course.trace.step)
+            self.path = replace(self.path, complete=False, farthest=farthest)
+        return met
 
     def why(self, reached: float) -> str:
         """Why there is no way to the goal."""

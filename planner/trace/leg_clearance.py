@@ -1,5 +1,5 @@
-"""Standing legs beside what is tall (K's third truncation, "non-touching the surface"): from hip to
-foot a leg runs through nothing.
+"""Legs beside what is tall (K's third truncation, "non-touching the surface"): from hip to foot a
+leg runs through nothing, where it stands and on its way.
 
 The same line as in ``robot.collision``, looked at for all poses of a lane at once.
 """
@@ -7,11 +7,14 @@ The same line as in ``robot.collision``, looked at for all poses of a lane at on
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.transforms import directions
+from ..geometry.transforms import Body, directions
+from ..motion.swing import CLEARANCE
 from ..robot.collision import NEAR_FOOT, TALL
 from ..robot.model import Machine
 from ..terrain.grid import spread_max
@@ -20,9 +23,21 @@ from ..types import Point
 from .footholds import within_reach
 from .lane import Lane
 
+SWEPT_APART = 0.05  # m between the looks at a foot on its way; more and a pole slips between
+
+
+class Swing(NamedTuple):
+    """How a foot is carried: from where to where, while the body takes these poses one after the
+    other.
+    """
+
+    stood: Point
+    lands: Point
+    bodies: Sequence[Body]  # x, y, z, yaw
+
 
 class LegClearance:
-    """Which legs meet ground where on a lane, standing on which points."""
+    """Which legs meet ground where on a lane, standing on which points or carried between them."""
 
     def __init__(self, lane: Lane, terrain: TerrainMap, machine: Machine) -> None:
         self._lane = lane
@@ -79,18 +94,45 @@ class LegClearance:
     ) -> NDArray[np.bool_]:
         """Whether the leg meets ground, pose by pose."""
         lane = self._lane
+        x = lane.x[rows, samples]
+        bodies = np.column_stack((x, lane.y[rows, samples], lane.z[samples], lane.yaw[samples]))
+        return self._lines_meet(leg, bodies, np.broadcast_to(np.array(foot), (len(x), 3)))
+
+    def sweeps_through(self, leg: int, way: Swing) -> bool:
+        """True when a leg that swings meets ground on its way, its foot lifted over what lies
+        between.
+        """
+        bodies = np.array(way.bodies)
+        (ax, ay, az), (bx, by, bz) = way.stood, way.lands
+        if not (self.is_near(ax, ay) or self.is_near(bx, by)):
+            return False
+        parts = max(2, math.ceil(math.hypot(bx - ax, by - ay) / SWEPT_APART))
+        share = np.arange(1, parts) / parts
+        lifted = max(self._terrain.crest_between(ax, ay, bx, by) + CLEARANCE, az, bz)
+        feet = np.column_stack(
+            (ax + share * (bx - ax), ay + share * (by - ay), np.full(parts - 1, lifted))
+        )
+        at = np.round(share * (len(bodies) - 1)).astype(np.intp)
+        return bool(self._lines_meet(leg, bodies[at], feet).any())
+
+    def _lines_meet(
+        self, leg: int, bodies: NDArray[np.float64], feet: NDArray[np.float64]
+    ) -> NDArray[np.bool_]:
+        """Whether the leg meets ground between hip and foot: (n, 4) x, y, z, yaw of bodies and
+        (n, 3) feet.
+        """
         hip_x, hip_y = self._machine.hips[leg]
-        c, s = directions(lane.yaw[samples])
-        x = lane.x[rows, samples] + c * hip_x - s * hip_y
-        y = lane.y[rows, samples] + s * hip_x + c * hip_y
-        length = np.hypot(foot[0] - x, foot[1] - y)
+        c, s = directions(bodies[:, 3])
+        x = bodies[:, 0] + c * hip_x - s * hip_y
+        y = bodies[:, 1] + s * hip_x + c * hip_y
+        length = np.hypot(feet[:, 0] - x, feet[:, 1] - y)
         parts = max(1, math.ceil(float(length.max(initial=0.0)) / self._terrain.cell))
         near = NEAR_FOOT + self._terrain.foot_radius
         far = np.maximum(length - near, 0.0) / np.maximum(length, near)
         share = far[:, None] * np.linspace(0.0, 1.0, parts + 1)
-        px = x[:, None] + share * (foot[0] - x)[:, None]
-        py = y[:, None] + share * (foot[1] - y)[:, None]
-        pz = lane.z[samples][:, None] * (1.0 - share) + share * foot[2]
+        px = x[:, None] + share * (feet[:, 0] - x)[:, None]
+        py = y[:, None] + share * (feet[:, 1] - y)[:, None]
+        pz = bodies[:, 2][:, None] * (1.0 - share) + share * feet[:, 2][:, None]
         return np.asarray((self._ground_at(px, py) > pz).any(axis=1))
 
     def _ground_at(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:

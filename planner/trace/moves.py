@@ -7,13 +7,14 @@ are lifted and when they are down again. Changes that can be made at once are.
 from __future__ import annotations
 
 import math
-from collections.abc import Generator, Iterator
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from ..geometry.transforms import Body
 from ..types import Point
 from .footholds import AIR, Footing
+from .leg_clearance import LegClearance, Swing
 from .reachability import Reachability
 from .samples import SampleGrid, first_bit, span
 from .state_search import StatePath
@@ -104,6 +105,27 @@ def moves_along(
     if end % samples.width > at % samples.width:
         moves.append(space.shift(nodes[-1], at, end))
     return tuple(moves)
+
+
+def up_to_what_is_met(
+    moves: Sequence[Move], legs: LegClearance
+) -> tuple[int, tuple[int, Point] | None]:
+    """How many moves can be made, up to one after which every leg stands, before a leg sweeps
+    through something tall; and which leg that is, with where it would land.
+    """
+    if not legs.matters:
+        return len(moves), None
+    standing = 0
+    for number, move in enumerate(moves):
+        for leg in move.legs:
+            stood, lands = move.before[leg], move.after[leg]
+            if stood is None or lands is None:
+                continue
+            if legs.sweeps_through(leg, Swing(stood, lands, move.carry)):
+                return standing, (leg, lands)
+        if None not in move.after:
+            standing = number + 1
+    return len(moves), None
 
 
 def _merged(

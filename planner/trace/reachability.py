@@ -222,6 +222,15 @@ class Reachability:
         reached = (depth >= low - EDGE) & (depth <= high + EDGE)
         return OutOfHeight(leg, float(reached.mean()), (float(depth.min()), float(depth.max())))
 
+    def ban(self, leg: int, foot: Point, radius: float) -> None:
+        """No foothold of this leg is within ``radius`` m of here any more."""
+        for number in self.by_leg[leg]:
+            hold = self.footholds[number]
+            if math.hypot(hold.x - foot[0], hold.y - foot[1]) <= radius:
+                self.existence[number] = 0
+        self._carries.clear()
+        self._valid.clear()
+
     # which sets of feet carry where
 
     def valid(self, feet: Footing) -> int:

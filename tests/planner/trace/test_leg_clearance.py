@@ -9,7 +9,7 @@ from walking_console.planner.robot.collision import leg_in_the_way
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.trace.lane import Lane
-from walking_console.planner.trace.leg_clearance import LegClearance
+from walking_console.planner.trace.leg_clearance import LegClearance, Swing
 
 HEXAPOD = load_machine("hexapod")
 COUNT = 41
@@ -57,3 +57,39 @@ def test_only_poses_that_were_asked_for_are_answered() -> None:
     asked = np.zeros((1, COUNT), dtype=bool)
     asked[0, 3:9] = True
     assert not (clearance.clear(0, (0.9, 0.55, 0.0), asked) & ~asked).any()
+
+
+def swing(leg: int, stride: float, inside: float = 0.0) -> Swing:
+    """A foot carried ahead from the middle of its reach, the body going half as far."""
+    x, y = HEXAPOD.legs[leg].centre
+    y -= np.sign(y) * inside
+    bodies = [(0.6 + 0.25 * stride * k / 9, 0.0, HEXAPOD.height, 0.0) for k in range(10)]
+    return Swing((0.6 + x, y, 0.0), (0.6 + x + stride, y, 0.0), bodies)
+
+
+@pytest.mark.parametrize("leg", range(6))
+def test_a_leg_does_not_swing_through_a_pole_that_it_stands_clear_of_on_both_sides(
+    leg: int,
+) -> None:
+    way = swing(leg, 0.4)
+    y = HEXAPOD.hips[leg][1]
+    beside = y + 0.6 * (way.stood[1] - y)
+    pole = way.stood[0] + 0.18, beside
+    clearance = LegClearance(lane(), ground(pole), HEXAPOD)
+    for foot, body in ((way.stood, way.bodies[0]), (way.lands, way.bodies[-1])):
+        feet = [foot if k == leg else None for k in range(6)]
+        assert leg_in_the_way(ground(pole), HEXAPOD, body, feet) is None
+    assert clearance.sweeps_through(leg, way)
+    outside = way.stood[0] + 0.18, y + 1.4 * (way.stood[1] - y)
+    assert not LegClearance(lane(), ground(outside), HEXAPOD).sweeps_through(leg, way)
+
+
+def test_a_foot_is_lifted_over_what_it_can_be_lifted_over() -> None:
+    way = swing(0, 0.4)
+    post = way.stood[0] + 0.2, way.stood[1]
+    distant = (0.1, -1.2)  # something is tall here, but not near this leg
+    low = ground(distant)
+    heights = low.heights.copy()
+    heights[round((post[1] + 1.5) / 0.025), round((post[0] + 1.0) / 0.025)] = 0.15
+    terrain = TerrainMap(heights, heights > 0.0, 0.025, (-1.0, -1.5))
+    assert not LegClearance(lane(), terrain, HEXAPOD).sweeps_through(0, way)

@@ -8,7 +8,8 @@ from tests.planner.trace.rollout import field_of
 from tests.planner.trace.test_state_search import HEXAPOD, field_on_trace
 from walking_console.planner.geometry.path_kinds import STEP
 from walking_console.planner.protocols import run_to_completion
-from walking_console.planner.trace.moves import TOGETHER, Move, moves_along
+from walking_console.planner.trace.leg_clearance import Swing
+from walking_console.planner.trace.moves import TOGETHER, Move, moves_along, up_to_what_is_met
 from walking_console.planner.trace.state_search import StatePath, search
 
 OFFSET = 3.0
@@ -64,3 +65,34 @@ def test_no_states_make_no_moves() -> None:
     reachable, _ = field_on_trace(field_of(1.0, 0, HEXAPOD), 100)
     nothing = StatePath((), False, 0, 0, True)
     assert run_to_completion(moves_along(reachable, nothing, 0.0, STEP)) == ()
+
+
+class Meets:
+    """Legs of which one, given by the number of its move, sweeps through something."""
+
+    matters = True
+
+    def __init__(self, at: int) -> None:
+        self.at = at
+        self.asked = 0
+
+    def sweeps_through(self, leg: int, way: Swing) -> bool:
+        self.asked += 1
+        return self.asked == self.at
+
+
+def test_moves_are_made_up_to_the_last_standing_before_a_leg_meets_something() -> None:
+    moves = moves_of(0.10, 2)
+    swings = [
+        (number, leg)
+        for number, move in enumerate(moves)
+        for leg in move.legs
+        if move.before[leg] is not None and move.after[leg] is not None
+    ]
+    for at in (1, len(swings) // 2, len(swings)):
+        number, leg = swings[at - 1]
+        clear, met = up_to_what_is_met(moves, Meets(at))  # type: ignore[arg-type]
+        assert met == (leg, moves[number].after[leg]) and clear <= number
+        assert clear == 0 or None not in moves[clear - 1].after
+        assert all(None in move.after for move in moves[clear:number])
+    assert up_to_what_is_met(moves, Meets(0)) == (len(moves), None)  # type: ignore[arg-type]

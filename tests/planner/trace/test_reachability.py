@@ -126,3 +126,15 @@ def test_a_leg_too_short_for_the_slope_in_front_of_it_is_named_with_the_heights(
     assert found is not None and found.leg in (0, 5) and found.share < 0.5
     assert found.ground[1] > high
     assert f"reaches {-1e3 * high:.0f} to {-1e3 * low:.0f} mm below the body" in found.said(machine)
+
+
+def test_a_banned_place_is_no_foothold_of_that_leg_and_of_no_other_concern() -> None:
+    reachable = along("line", field_of(0.1, 3, HEXAPOD))
+    leg = 0
+    hold = reachable.footholds[reachable.by_leg[leg][5]]
+    before = list(reachable.existence)
+    reachable.ban(leg, (hold.x, hold.y, hold.z), 0.1)
+    for number, other in enumerate(reachable.footholds):
+        near = math.hypot(other.x - hold.x, other.y - hold.y) <= 0.1
+        gone = other.leg == leg and near
+        assert reachable.existence[number] == (0 if gone else before[number])
