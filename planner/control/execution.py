@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from ..config import PlannerConfig, Tolerances
 from ..geometry.transforms import Body, attitude_of, direction
-from ..motion.body_sway import bounds_of
+from ..motion.body_bounds import bounds_of
 from ..motion.step_builder import holding_plan, with_feet
 from ..motion.swing_profile import gentle, legs_on_known_ground
 from ..robot.model import Machine

@@ -194,6 +194,21 @@ class Course:
         middle = min(max((low + high) / 2.0, -OFFSET_MAX), OFFSET_MAX)
         return middle, middle
 
+    def beyond(self, body: Body, lifted: bool) -> float:
+        """How far the farthest foot that stands before, or after, a leg is ``lifted`` is outside of
+        its leg's mechanical reach with the body there, m; negative inside.
+        """
+        over_x, over_y, _ = self._machine.overreach
+        most = -math.inf
+        for leg, foot in zip(self._machine.legs, self._standing[lifted], strict=True):
+            if foot is None:
+                continue
+            x, y, _ = point_seen(body, foot)
+            (x_low, x_high), (y_low, y_high) = leg.x, leg.y
+            outside = max(x - x_high - over_x, x_low - over_x - x)
+            most = max(most, outside, y - y_high - over_y, y_low - over_y - y)
+        return most
+
     def leverage(self, length: float) -> XY:
         """How far the centre of gravity goes when the body sways by a metre: legs stay behind."""
         sx, sy = self.side(length)

@@ -68,7 +68,7 @@ def lateral_bounds(
         return 0.0, 0.0
     low = -OFFSET_MAX
     high = OFFSET_MAX
-    lines = _edges_across(polygon, x, y, across)
+    lines = edges_across(polygon, x, y, across)
     for depth, rate in lines:
         if rate > 1e-9:
             low = max(low, (margin - depth) / rate)
@@ -98,7 +98,7 @@ def nearest_edge_normal(polygon: Polygon, x: float, y: float) -> XY:
     return best
 
 
-def _edges_across(
+def edges_across(
     polygon: Polygon, x: float, y: float, across: tuple[float, float]
 ) -> list[tuple[float, float]]:
     """Of every edge: how deep (x, y) lies inside it, m, and how that changes along ``across``."""

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import NamedTuple
@@ -21,8 +21,9 @@ import numpy as np
 
 from ..geometry.transforms import XY, Body, direction
 from ..robot.model import Machine
-from ..stability import GRAVITY, polygon_margin
+from ..stability import polygon_margin
 from ..types import Gait, Phase, Point, Stance, StepPlan
+from .body_bounds import Bounds, bounds_of, room_ahead
 from .body_course import FLAT_MIN, STILL, Course, centre_over, first_swing
 from .body_path import (
     OFFSET_MAX,
@@ -49,6 +50,7 @@ FOREVER = 3.0  # a step is made longer by this factor at most, round by round
 BRAKING = 0.8  # of the acceleration a body may have, for slowing down ahead of a slow stretch
 UNHURRIED = 0.3  # s on all feet in which the body gets back to where it should lift a leg
 STILL_FOOT = (0.0, 0.0, 0.0)  # m/s
+BETWEEN = tuple(k / 8 for k in range(1, 8))  # of a stretch, where its reach is looked at
 STOPPED_BY = 0.6  # of a step's time; an offset that cannot be stopped by then is led back at once
 
 
@@ -59,20 +61,11 @@ class Motion(NamedTuple):
     rate: Body  # m/s and rad/s
 
 
-class Bounds(NamedTuple):
-    """What a body may do on its way."""
+class Stop(NamedTuple):
+    """How a body that is thrown off its course is stopped first."""
 
-    margin: float  # m, of the polygon
-    acceleration: float  # m/s²
-
-
-def bounds_of(stance: Stance, gait: Gait) -> Bounds:
-    """The wanted margin, and the acceleration at which it is just kept: g·m/h."""
-    if gait.acceleration > 0.0:
-        return Bounds(gait.margin, gait.acceleration)
-    ground = min(foot[2] for foot in stance.feet)
-    height = max(stance.body[2] - ground, 0.05)
-    return Bounds(gait.margin, GRAVITY * max(gait.margin, 0.005) / height)
+    onward: float  # m of its reference a second that it keeps
+    seconds: float  # until the rest of its motion is over
 
 
 def swayed(
@@ -95,10 +88,10 @@ def swayed(
     swing = smooth_swing(plan, machine, known) if gait.smooth else as_planned(plan)
     table = _Table.of(swing, course, stance, bounds)
     task = _Task(course, stance, ahead, bounds, machine)
-    way = _in_time(task, table)
+    way = _within_reach(task, table)
     if table.lift == 0 and course.after and way.margin(machine) < bounds.margin - LACK:
         seconds = math.hypot(*stance.velocity) / bounds.acceleration
-        waited = _in_time(task, table.after_a_wait(max(seconds, UNHURRIED) + SOONEST, 0.0))
+        waited = _within_reach(task, table.after_a_wait(max(seconds, UNHURRIED) + SOONEST, 0.0))
         if waited.margin(machine) > way.margin(machine) + LACK:
             way = waited
     return way.plan(plan, gait.smooth, machine)
@@ -112,6 +105,46 @@ class _Task(NamedTuple):
     ahead: Sequence[SupportPhase]
     bounds: Bounds
     machine: Machine
+    stop: Stop | None = None
+
+
+def _within_reach(task: _Task, table: _Table) -> _Way:
+    """The way through a step that leads no standing foot beyond its leg's reach: where a body is
+    thrown too far off its course, that is stopped first, as soon as its margin allows.
+    """
+    best = _in_time(task, table)
+    least = best.beyond_reach()
+    if least <= 0.0:
+        return best
+    for stop in _stops(task):
+        way = _in_time(task._replace(stop=stop), table.on_all_feet_for(stop.seconds + UNHURRIED))
+        beyond = way.beyond_reach()
+        if beyond < least:
+            best = way
+            least = beyond
+        if beyond <= 0.0:
+            break
+    return best
+
+
+def _stops(task: _Task) -> Iterator[Stop]:
+    """Ways to stop a body that is thrown off its course, the gentlest first: what throws it aside,
+    then all of its motion.
+    """
+    course, stance, _, bounds, _, _ = task
+    side = course.side(0.0)
+    along = _dot(stance.sway, (side[1], -side[0]))
+    place = course.weight_at(course.lifting(0.0), _dot(stance.sway, side), along)
+    onward = max(_speed_onward(course, stance), 0.0)
+    for speed_onward in (onward, 0.0):
+        thrown = _thrown(course, stance, speed_onward)
+        speed = math.hypot(*thrown)
+        if speed < STILL:
+            continue
+        room = room_ahead(course.before, place, (thrown[0] / speed, thrown[1] / speed))
+        most = bounds.steepest(room)
+        for acceleration in sorted({min(2.0 * bounds.acceleration, most), most}):
+            yield Stop(speed_onward, speed / acceleration)
 
 
 def _in_time(task: _Task, table: _Table) -> _Way:
@@ -201,6 +234,11 @@ class _Table:
         ]
         return replace(self, times=times, foot_rates=rates)
 
+    def on_all_feet_for(self, seconds: float) -> _Table:
+        """The same with so much time on all feet at least before a leg lifts."""
+        missing = seconds - self.times[self.lift]
+        return self if missing <= 0.0 else self.after_a_wait(missing + SOONEST, self.lift_length)
+
     def after_a_wait(self, seconds: float, onward: float) -> _Table:
         """The same after some time on all feet, in which the body gets so far on."""
         return _Table(
@@ -216,7 +254,7 @@ class _Table:
 class _Way:
     """A body's way through a step: progress along the reference, offsets along and across it."""
 
-    __slots__ = ("table", "course", "progress", "along", "across", "rows")
+    __slots__ = ("table", "course", "progress", "along", "across", "thrown", "rows")
 
     def __init__(
         self,
@@ -225,8 +263,10 @@ class _Way:
         progress: list[Knot],
         along: list[Knot],
         across: list[Knot],
+        thrown: float = 0.0,
     ) -> None:
         self.course = course
+        self.thrown = thrown  # s until what throws the body off its course is stopped
         self.progress = progress  # m of the reference's length
         self.along = along
         self.across = across
@@ -236,26 +276,26 @@ class _Way:
     @classmethod
     def through(cls, task: _Task, table: _Table) -> _Way:
         """The way through the gates of this step and the next ones."""
-        course, stance, ahead, bounds, _ = task
+        course, stance, ahead, bounds, _, stop = task
         side = course.side(0.0)
         forward = side[1], -side[0]
         braking = BRAKING * bounds.acceleration
-        onward = direction(course.heading(0.0))
-        flat = course.flat(0.0)
-        speed = _dot(stance.velocity, onward) / flat if flat > FLAT_MIN else 0.0
+        speed = _speed_onward(course, stance) if stop is None else stop.onward
         progress = _progress(table, course, speed, ahead, braking)
-        gone = progress[0].rate
-        spin = course.turning * gone
-        rest = (
-            stance.velocity[0] - gone * flat * onward[0] + spin * stance.sway[1],
-            stance.velocity[1] - gone * flat * onward[1] - spin * stance.sway[0],
-        )
+        rest = _thrown(course, stance, progress[0].rate)
         start = Knot(0.0, _dot(stance.sway, forward), _dot(rest, forward))
+        beside = Knot(0.0, _dot(stance.sway, side), _dot(rest, side))
         lift = table.times[table.lift]
-        along = _coming_back(start, lift if lift > UNHURRIED else table.times[-1], braking)
-        gates = _gates(table, course, ahead, bounds.margin + SPARE, along)
-        across = through_gates(Knot(0.0, _dot(stance.sway, side), _dot(rest, side)), gates)
-        return cls(table, course, progress, along, across)
+        back = lift if lift > UNHURRIED else table.times[-1]
+        if stop is None:
+            along = _coming_back(start, back, braking)
+            gates = _gates(table, course, ahead, bounds.margin + SPARE, along)
+            across = through_gates(beside, gates)
+        else:
+            along = [start, _stopped(start, stop.seconds), Knot(back, 0.0, 0.0)]
+            gates = _gates(table, course, ahead, bounds.margin + SPARE, along)
+            across = [beside, *through_gates(_stopped(beside, stop.seconds), gates)]
+        return cls(table, course, progress, along, across, stop.seconds if stop else 0.0)
 
     def times_within(self, end: float) -> list[float]:
         """Of its knots within the step, s; nearer ones than ``SOONEST`` are one."""
@@ -297,14 +337,16 @@ class _Way:
         """By which factor the step should be longer for the body's acceleration; 1: it is well.
         After some ``rounds`` it is less patient: a speed to lose takes more than a way to go.
         """
-        most = self._acceleration(0.0, self.table.times[-1]) / bounds.acceleration
+        most = self._acceleration(self.thrown, self.table.times[-1]) / bounds.acceleration
         return most if rounds > PATIENCE else math.sqrt(most)
 
     @property
     def hurries_on_all_feet(self) -> bool:
         """True when it is before a leg lifts that the body is in a hurry."""
         lift = self.table.times[self.table.lift]
-        return self._acceleration(0.0, lift) >= self._acceleration(lift, self.table.times[-1])
+        return self._acceleration(self.thrown, lift) >= self._acceleration(
+            lift, self.table.times[-1]
+        )
 
     def _acceleration(self, start: float, end: float) -> float:
         """The most over the ground between two times, m/s²: at an end of the cubic from one knot of
@@ -321,6 +363,24 @@ class _Way:
         """Speed of the fastest foot against the body, over its limit."""
         table = zip(self.table.feet, self.table.foot_rates, self.rows, strict=True)
         return max(_fastest_foot(*row, machine) for row in table)
+
+    def beyond_reach(self) -> float:
+        """How far the body is led beyond what the standing legs reach, m; not positive where it is
+        within.
+        """
+        most = -math.inf
+        table = self.table
+        knots = zip(table.times, self.rows, strict=True)
+        for k, ((a, before), (b, after)) in enumerate(pairwise(knots)):
+            lifted = k >= table.lift
+            ends = [self.course.beyond(row.body, lifted) for row in (before, after)]
+            bulge = _most_between(before, after, b - a) * (b - a) ** 2 / 8.0 if b > a else 0.0
+            most = max(most, *ends)
+            if max(ends) + bulge <= 0.0:
+                continue
+            inner = (_between(before, after, b - a, share) for share in BETWEEN)
+            most = max(most, *(self.course.beyond(body, lifted) for body in inner))
+        return most
 
     def plan(self, plan: StepPlan, curved: bool, machine: Machine) -> StepPlan:
         """The step on this way; feet go straight between knots unless they are ``curved``."""
@@ -344,6 +404,20 @@ class _Way:
     def margin(self, machine: Machine) -> float:
         """Least polygon margin at the knots, m."""
         return _least_margin(self.course, self.table, self.rows, machine)
+
+
+def _between(before: Motion, after: Motion, seconds: float, share: float) -> Body:
+    """The body after a share of the cubic from one motion to another."""
+    left = 1.0 - share
+    first = left * left * (1.0 + 2.0 * share)
+    last = share * share * (1.0 + 2.0 * left)
+    out = share * left * left * seconds
+    back = -share * share * left * seconds
+    x, y, z, yaw = (
+        first * p + last * q + out * a + back * b
+        for p, q, a, b in zip(before.body, after.body, before.rate, after.rate, strict=True)
+    )
+    return x, y, z, yaw
 
 
 def _most_between(before: Motion, after: Motion, seconds: float) -> float:
@@ -412,12 +486,34 @@ def _dot(vector: XY, along: XY) -> float:
     return vector[0] * along[0] + vector[1] * along[1]
 
 
+def _speed_onward(course: Course, stance: Stance) -> float:
+    """How fast the body goes along its reference at the beginning, m of its length a second."""
+    flat = course.flat(0.0)
+    return _dot(stance.velocity, direction(course.heading(0.0))) / flat if flat > FLAT_MIN else 0.0
+
+
+def _thrown(course: Course, stance: Stance, gone: float) -> XY:
+    """The velocity that is left of the body's when it goes along its reference so fast, m/s."""
+    onward = direction(course.heading(0.0))
+    flat = course.flat(0.0)
+    spin = course.turning * gone
+    return (
+        stance.velocity[0] - gone * flat * onward[0] + spin * stance.sway[1],
+        stance.velocity[1] - gone * flat * onward[1] - spin * stance.sway[0],
+    )
+
+
+def _stopped(start: Knot, seconds: float) -> Knot:
+    """Where an offset is that is stopped evenly in so many seconds."""
+    return Knot(seconds, start.value + start.rate * seconds / 2.0, 0.0)
+
+
 def _coming_back(start: Knot, end: float, acceleration: float) -> list[Knot]:
     """The way of an offset back to 0 by a time, s: it is stopped first where there is time."""
     knots = [start]
     stopped = abs(start.rate) / acceleration
     if SOONEST < stopped < STOPPED_BY * end:
-        knots.append(Knot(stopped, start.value + start.rate * stopped / 2.0, 0.0))
+        knots.append(_stopped(start, stopped))
     return [*knots, Knot(end, 0.0, 0.0)]
 
 

@@ -13,7 +13,8 @@ from walking_console.planner.crab.planner import plan_step
 from walking_console.planner.crab.steps import StepRequest
 from walking_console.planner.geometry.transforms import seen
 from walking_console.planner.initial_stance import Placement
-from walking_console.planner.motion.body_sway import bounds_of, swayed
+from walking_console.planner.motion.body_bounds import bounds_of
+from walking_console.planner.motion.body_sway import swayed
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.stability import polygon_margin, support_polygon
 from walking_console.planner.terrain.map import TerrainMap

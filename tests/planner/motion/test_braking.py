@@ -7,7 +7,7 @@ import pytest
 
 from tests.planner.motion.test_body_sway import GAIT, TITAN, walked
 from walking_console.planner.control.tracking import TrajectoryTracker
-from walking_console.planner.motion.body_sway import bounds_of
+from walking_console.planner.motion.body_bounds import bounds_of
 from walking_console.planner.motion.braking import Braking, braking
 from walking_console.planner.motion.step_builder import holding_plan
 from walking_console.planner.types import TICK, Phase

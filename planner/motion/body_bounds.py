@@ -1,0 +1,59 @@
+"""What a body may do on its way: the margin it keeps, and how fast it may speed up or slow down.
+
+A centre of gravity at a height h that speeds up by a has its zero-moment point a·h/g behind it, and
+one that slows down as far ahead of it. It is safe while that point stays in the polygon of the feet
+that carry: on a margin m by g·m/h and no faster. Metres, seconds, absolute frame.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ..geometry.polygons import Polygon
+from ..geometry.transforms import XY
+from ..stability import GRAVITY
+from ..types import Gait, Stance
+from .body_path import edges_across
+
+RESERVE = 0.005  # m of margin that slowing down leaves; less: see the machine rock as it stops
+STEEPEST = 1.0  # m/s², most to slow down by; more: see a body jerk that is nowhere near an edge
+LOWEST = 0.05  # m; a body nearer to the ground counts as so high
+FARTHEST = 10.0  # m; room without an edge ahead
+
+
+class Bounds(NamedTuple):
+    """What a body may do on its way."""
+
+    margin: float  # m, of the polygon
+    acceleration: float  # m/s², at which the margin is just kept
+    height: float = 0.0  # of the body above its feet, m; 0 where the acceleration is given
+
+    def steepest(self, room: float) -> float:
+        """The most a body with so much room ahead, m, may slow down, m/s²."""
+        if self.height <= 0.0:
+            return self.acceleration
+        return max(self.acceleration, min(GRAVITY * room / self.height, STEEPEST))
+
+
+def bounds_of(stance: Stance, gait: Gait) -> Bounds:
+    """The wanted margin, and the acceleration at which it is just kept: g·m/h."""
+    if gait.acceleration > 0.0:
+        return Bounds(gait.margin, gait.acceleration)
+    ground = min(foot[2] for foot in stance.feet)
+    height = max(stance.body[2] - ground, LOWEST)
+    return Bounds(gait.margin, GRAVITY * max(gait.margin, RESERVE) / height, height)
+
+
+def room_ahead(polygon: Polygon, place: XY, ahead: XY) -> float:
+    """How far a point may go along the unit vector ``ahead`` and keep ``RESERVE`` inside the
+    polygon, m; 0 where it does not keep it now.
+    """
+    if len(polygon) < 3:
+        return 0.0
+    room = FARTHEST
+    for depth, rate in edges_across(polygon, *place, ahead):
+        if depth < RESERVE:
+            return 0.0
+        if rate < 0.0:
+            room = min(room, (RESERVE - depth) / rate)
+    return room

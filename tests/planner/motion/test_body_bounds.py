@@ -1,0 +1,37 @@
+"""How fast a body may slow down: as its zero-moment point has room in the support."""
+
+import pytest
+
+from walking_console.planner.motion.body_bounds import (
+    FARTHEST,
+    RESERVE,
+    STEEPEST,
+    Bounds,
+    room_ahead,
+)
+
+SQUARE = ((0.0, 0.0), (0.4, 0.0), (0.4, 0.4), (0.0, 0.4))
+BOUNDS = Bounds(0.02, 0.23, 0.85)
+
+
+def test_the_room_ahead_ends_where_the_reserve_of_an_edge_begins():
+    assert room_ahead(SQUARE, (0.1, 0.2), (1.0, 0.0)) == pytest.approx(0.3 - RESERVE)
+    assert room_ahead(SQUARE, (0.1, 0.2), (-1.0, 0.0)) == pytest.approx(0.1 - RESERVE)
+    assert room_ahead(SQUARE, (0.1, 0.2), (-0.6, 0.8)) == pytest.approx((0.1 - RESERVE) / 0.6)
+
+
+def test_there_is_no_room_within_the_reserve_outside_or_without_a_support():
+    assert room_ahead(SQUARE, (0.004, 0.2), (1.0, 0.0)) == 0.0
+    assert room_ahead(SQUARE, (-0.1, 0.2), (1.0, 0.0)) == 0.0
+    assert room_ahead(SQUARE[:2], (0.1, 0.0), (1.0, 0.0)) == 0.0
+    assert room_ahead(SQUARE, (0.2, 0.2), (0.0, 0.0)) == FARTHEST
+
+
+def test_it_slows_down_as_the_room_allows_never_less_than_on_its_way_nor_as_a_jerk():
+    assert BOUNDS.steepest(0.05) == pytest.approx(9.81 * 0.05 / 0.85)
+    assert BOUNDS.steepest(0.0) == BOUNDS.acceleration
+    assert BOUNDS.steepest(1.0) == STEEPEST
+
+
+def test_an_acceleration_that_is_given_is_kept_whatever_the_room():
+    assert Bounds(0.02, 0.1).steepest(1.0) == 0.1
