@@ -300,8 +300,8 @@ AIMS = (SOONEST, FEWEST_STATES, GREATEST_MARGIN, GREATEST_SPEED)
 class TraceSearch:
     """How the trace planner looks for a way."""
 
-    # m the body may leave its trace sideways where on it there is no way; None: a sixteenth of its
-    # length. 0: see it stop where a hand's breadth aside there are footholds
+    # m the body's reference may leave its trace sideways where on it there is no way; None: a
+    # sixteenth of its length. 0: see it stop where a hand's breadth aside there are footholds
     sway: float | None = None
     # one of AIMS. Other than the first: see steps planned three times as long
     aim: str = SOONEST

@@ -77,6 +77,8 @@ def _results(summary: dict[str, Any], directory: Path) -> Iterator[tuple[str, st
     yield "least margin", "none" if margin is None else f"{margin * 1000:.1f} mm longitudinal"
     yield "emergent", ", ".join(emergent) or "none"
     yield "ground", summary["ground"]
+    if summary["body"] == "straight":
+        yield "body", "straight, as printed: it may not stand in physics"
     yield "state hash", summary["state_hash"]
     yield "written to", str(directory)
 

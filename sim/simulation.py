@@ -291,7 +291,7 @@ class Simulation:
 
     def preview(self, running: StepPlan | None) -> GaitPreview | None:
         """What the planner foresees from the last N_k on; None for one that does not."""
-        return self.planner.preview(self.walk.stance, running)
+        return self.planner.preview(self.walk.kept_stance, running)
 
     def snapshot(self, *, paused: bool = False, rate: float = 1.0, late: float = 0.0) -> Snapshot:
         """The world at this instant, frozen; ``paused``, ``rate`` (times real time) and ``late``

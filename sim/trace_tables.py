@@ -31,8 +31,8 @@ class TraceTable(Table):
     kind: str
     yaw: Literal["tangent", "fixed"]
     speed: float  # m/s along the trace
-    # m the body may leave the trace sideways where on it there is no way; a sixteenth of its length
-    # when not given, 0: never
+    # m the body's reference may leave the trace sideways where on it there is no way; a sixteenth
+    # of its length when not given, 0: never
     sway: float | None = pydantic.Field(default=None, ge=0.0, le=1.0)
 
     @property

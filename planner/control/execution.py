@@ -283,6 +283,15 @@ class Execution:
         return self.stance.course + min(gone / way, 1.0) * (plan.end.course - self.stance.course)
 
 
+def kept_stance(run: Execution) -> Stance:
+    """The stance of the last N_k, by the reference that a body still rests beside."""
+    rested = run.rested
+    if rested is None or rested.feet != run.stance.feet:
+        return run.stance
+    off = math.dist(rested.place, run.stance.place)
+    return rested if off <= run.tolerances.same_place else run.stance
+
+
 def came_as_planned(came: Stance, planned: Stance, tolerances: Tolerances) -> bool:
     """True when a plan came out near enough to what the next one of its posture begins with."""
     if came is planned:

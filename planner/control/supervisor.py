@@ -17,7 +17,7 @@ from ..terrain.map import TerrainMap
 from ..types import Blocked, Command, Mode, Phase, Point, Sensing, Stance, StepPlan
 from .activities import RESUMED, STILL, Activity
 from .contact_reflexes import ContactReflexes
-from .execution import END, Execution
+from .execution import END, Execution, kept_stance
 from .handshake import Flags
 from .pacing import pace_for
 from .plan_job import PlanJob
@@ -111,6 +111,11 @@ class GaitSupervisor:
     def stance(self) -> Stance:
         """The stance at the last step-switching point."""
         return self.run.stance
+
+    @property
+    def kept_stance(self) -> Stance:
+        """The same, by the reference that a body still rests beside."""
+        return kept_stance(self.run)
 
     @property
     def flags(self) -> Flags:

@@ -13,6 +13,7 @@ SUMMARY: dict[str, Any] = {
     "result": "completed", "reason": "time", "seconds": 4.0, "ticks": 200, "distance": 0.25,
     "mean_speed": 0.0625, "steps": 7, "forbidden_steps": 0, "falls": 0, "margin_min": 0.0123,
     "emergent": {"early": 2}, "ground": "mesh of 60 triangles", "state_hash": "00ff",
+    "body": "sway",
     "expect": {"distance_min": {"wanted": 1.0, "got": 0.25, "pass": False}},
 }  # fmt: skip
 
@@ -39,6 +40,14 @@ def test_what_was_not_measured_is_said_to_be_none(capsys: pytest.CaptureFixture[
     print_summary(SUMMARY | {"margin_min": None, "emergent": {}, "expect": {}}, Path("here"))
     lines = [line.split() for line in capsys.readouterr().out.splitlines()]
     assert ["least", "margin", "none"] in lines and ["emergent", "none"] in lines
+
+
+@pytest.mark.parametrize(("body", "said"), [("straight", True), ("sway", False)])
+def test_a_walk_with_its_body_straight_as_printed_says_so(
+    capsys: pytest.CaptureFixture[str], body: str, said: bool
+) -> None:
+    print_summary(SUMMARY | {"body": body}, Path("here"))
+    assert ("straight, as printed" in capsys.readouterr().out) == said
 
 
 def test_progress_is_json_lines_when_asked_and_silence_without_a_terminal(

@@ -160,10 +160,10 @@ def test_five_risers_of_15_cm_are_climbed(told, name, climb):
 
 @pytest.mark.parametrize(("lift", "pace"), [(0.05, 0.4), (0.1, 0.8), (0.2, 0.8), (0.1, 1.0)])
 def test_the_walked_speed_is_that_of_the_formula(tmp_path, lift, pace):
-    gait = f"gait={{duty_factor=0.8, smooth=false, lift_up={lift}, lift_down={2 * lift}}}"
+    gait = (f"gait.lift_up={lift}", f"gait.lift_down={2 * lift}")
     walk = read_walk(
         walk_recipe(
-            Recipe("fig16", (gait, "end={time=60.0, distance=2.0}", "expect={}"), pace),
+            Recipe("fig16", (*gait, "end={time=60.0, distance=2.0}", "expect={}"), pace),
             tmp_path / "run",
         )
     )

@@ -10,6 +10,16 @@ import pytest
 from walking_console.sim.scenario_files import load_scenario
 from walking_console.sim.simulation import Simulation
 
+# robot, planner, m/s, body, and the least share of the pace that is walked in the first 10 s: a
+# swaying body gets under way no faster than its margin allows
+ROBOTS = [
+    ("titan3", "crab", 0.08, "straight", 0.9),
+    ("titan3", "crab", 0.08, "sway", 0.79),
+    ("hexapod", "trace", 0.2, "straight", 0.9),
+    ("hexapod", "trace", 0.2, "sway", 0.6),
+    ("phantomx", "trace", 0.06, "straight", 0.9),
+    ("phantomx", "trace", 0.06, "sway", 0.98),
+]
 REPORTED = Path(__file__).parents[1] / "fixtures" / "longer-run-blocks-hexapod" / "s.toml"
 
 
@@ -32,17 +42,14 @@ def test_six_legs_walk_level_ground_whatever_the_run_s_length(robot: str, degree
 
 @pytest.mark.slow
 @pytest.mark.parametrize("end", [30.0, 3600.0])
-@pytest.mark.parametrize(
-    ("robot", "planner", "speed"),
-    [("titan3", "crab", 0.08), ("hexapod", "trace", 0.2), ("phantomx", "trace", 0.06)],
-)
+@pytest.mark.parametrize(("robot", "planner", "speed", "body", "share"), ROBOTS)
 def test_every_robot_walks_level_ground_every_15_degrees(
-    robot: str, planner: str, speed: float, end: float
+    robot: str, planner: str, speed: float, body: str, share: float, end: float
 ) -> None:
-    keys = (f"robot={robot}", f"planner={planner}", f"end={{time={end}}}")
+    keys = (f"robot={robot}", f"planner={planner}", f"gait.body={body}", f"end={{time={end}}}")
     for degrees in range(0, 360, 15):
         drive = f"drive=[{{crab_angle_deg={float(degrees)},speed={speed}}}]"
         simulation = Simulation(load_scenario("flat", (*keys, "expect={}", drive)))
         simulation.drive(math.radians(degrees), speed)
         simulation.run(seconds=10.0)
-        assert simulation.distance > 0.9 * 10.0 * speed, degrees
+        assert simulation.distance > share * 10.0 * speed, degrees

@@ -34,24 +34,51 @@ def off_centre(ahead: float, aside: float, hips_in: float) -> str:
     return toml({"robot": robot}).strip()
 
 
-def test_the_reported_dog_walks() -> None:
-    summary = run_scenario(load_scenario(str(REPORTED)))
+@pytest.mark.parametrize(
+    ("body", "distance", "margin"), [("straight", 2.4, 0.0), ("sway", 2.09, 0.02)]
+)
+def test_the_reported_dog_walks(body: str, distance: float, margin: float) -> None:
+    summary = run_scenario(load_scenario(str(REPORTED), [f"gait.body={body}"]))
     assert summary["result"] == "completed"
-    assert summary["distance"] == pytest.approx(0.06 * 40.0, abs=0.01)
-    assert summary["margin_min"] > 0.01
+    assert summary["distance"] == pytest.approx(distance, abs=0.01)
+    assert summary["margin_min"] > 0.01 and summary["polygon_margin_min"] > margin
+
+
+# ahead, aside and hips_in of ``off_centre``
+CARDS = [
+    (0.01, 0.0, 0.0),
+    (-0.04, 0.0, 0.0),
+    (0.0, 0.02, 0.0),
+    (0.0, 0.0, 0.02),
+    (0.02, 0.01, 0.015),
+]
+
+
+def drive_of(card: tuple[float, float, float], degrees: float, body: str) -> tuple[str, ...]:
+    """15 s at 0.06 m/s, as settings of ``flat``."""
+    drive = f"drive=[{{crab_angle_deg={degrees},speed=0.06}}]"
+    return off_centre(*card), drive, f"gait.body={body}", "end={time=15.0}", "expect={}"
 
 
 @pytest.mark.parametrize("degrees", [0.0, 90.0, -150.0])
-@pytest.mark.parametrize(
-    ("ahead", "aside", "hips_in"),
-    [(0.01, 0.0, 0.0), (-0.04, 0.0, 0.0), (0.0, 0.02, 0.0), (0.0, 0.0, 0.02), (0.02, 0.01, 0.015)],
-)
+@pytest.mark.parametrize("card", CARDS)
 def test_off_centre_machines_walk_as_told_and_keep_what_every_walk_keeps(
-    tmp_path: Path, ahead: float, aside: float, hips_in: float, degrees: float
+    tmp_path: Path, card: tuple[float, float, float], degrees: float
 ) -> None:
-    drive = f"drive=[{{crab_angle_deg={degrees},speed=0.06}}]"
-    robot = off_centre(ahead, aside, hips_in)
-    walk = walked(tmp_path, "flat", robot, drive, "end={time=15.0}", "expect={}")
+    walk = walked(tmp_path, "flat", *drive_of(card, degrees, "straight"))
     assert_always_true(walk)
     assert walk.summary["distance"] == pytest.approx(0.06 * 15.0, rel=0.02)
+    assert sum(walk.summary["emergent"].values()) == 0
+
+
+# of the pace: the dog stands on a triangle that has hardly the margin, and is given time for it
+@pytest.mark.parametrize(("degrees", "share"), [(0.0, 0.75), (90.0, 0.42), (-150.0, 0.8)])
+@pytest.mark.parametrize("card", CARDS)
+def test_swayed_they_walk_as_fast_as_keeps_the_margin(
+    tmp_path: Path, card: tuple[float, float, float], degrees: float, share: float
+) -> None:
+    walk = walked(tmp_path, "flat", *drive_of(card, degrees, "sway"))
+    assert_always_true(walk)
+    assert walk.summary["distance"] >= share * 0.06 * 15.0
+    assert walk.summary["polygon_margin_min"] > 0.02
     assert sum(walk.summary["emergent"].values()) == 0

@@ -28,6 +28,8 @@ WALK = Command(0.0, 0.1)
 HOLD = Command()
 THERE = 0.03  # of the stride: a foot within 1 cm of its place stays
 SECOND = 50  # ticks
+REST = 30  # ticks, the longest a body that sways takes to come to rest
+WAY = 0.033  # m it goes on meanwhile at most
 RISING = 2.0  # s, the longest a machine takes from sitting to walking
 POSING = (Mode.SIT_DOWN, Mode.STAND_UP, Mode.REGROUP)
 SIX = ("robot=hexapod", "planner=trace")
@@ -261,32 +263,64 @@ def test_letting_go_while_it_rises_stops_it_at_once_and_the_next_command_raises_
     assert console.plant.body[2] == pytest.approx(0.85, abs=1e-6) and console.walk.steps
 
 
+def stopped_on_its_way(after: int, *settings: str) -> Simulation:
+    """On its way into the standard posture, stopped so many ticks after it was asked for."""
+    console = walking(130, *settings)
+    console.request(TakePosture("standard"))
+    run(console, after)
+    console.request(Halt())
+    return console
+
+
+def ticks_on_its_way(*settings: str) -> int:
+    """Ticks that it takes into the standard posture."""
+    console, ticks = walking(130, *settings), 0
+    console.request(TakePosture("standard"))
+    console.step()
+    while console.walk.posing:
+        console.step()
+        ticks += 1
+    assert ticks > 2 * SECOND
+    return ticks
+
+
+def assert_it_walks_on(console: Simulation) -> None:
+    assert console.mode is Mode.STAND and all(console.plant.soles)
+    console.order(WALK)
+    way = console.distance
+    run(console, 10 * SECOND)
+    assert console.distance - way > 0.2, console.reason
+
+
 @pytest.mark.parametrize("settings", ((), SIX))
 def test_stopped_on_its_way_the_body_stops_at_once_and_all_feet_are_down_within_a_second(
     settings,
 ):
-    begun = walking(130, *settings)
-    ticks = 0
-    begun.request(TakePosture("standard"))
-    begun.step()
-    while begun.walk.posing:
-        begun.step()
-        ticks += 1
-    assert ticks > 2 * SECOND
-    for after in range(1, ticks, 11):
-        console = walking(130, *settings)
-        console.request(TakePosture("standard"))
-        run(console, after)
-        console.request(Halt())
+    printed = (*settings, "gait.body=straight")
+    for after in range(1, ticks_on_its_way(*printed), 11):
+        console = stopped_on_its_way(after, *printed)
         body = console.plant.body.copy()
         for _ in range(SECOND):
             run(console, 1)
             assert console.plant.body == pytest.approx(body, abs=1e-9), after
-        assert console.mode is Mode.STAND and all(console.plant.soles), after
-        console.order(WALK)
-        way = console.distance
-        run(console, 10 * SECOND)
-        assert console.distance - way > 0.2, (after, console.reason)
+        assert_it_walks_on(console)
+
+
+@pytest.mark.parametrize("settings", ((), SIX))
+def test_stopped_on_its_way_a_swaying_body_rests_in_time_and_all_feet_are_down_within_a_second(
+    settings,
+):
+    swayed = (*settings, "gait.body=sway")
+    for after in range(1, ticks_on_its_way(*swayed), 11):
+        console = stopped_on_its_way(after, *swayed)
+        begun = console.plant.body[:2].copy()
+        run(console, REST)
+        body = console.plant.body.copy()
+        assert math.dist(begun, body[:2]) <= WAY, after
+        for _ in range(SECOND - REST):
+            run(console, 1)
+            assert console.plant.body == pytest.approx(body, abs=1e-9), after
+        assert_it_walks_on(console)
 
 
 def test_a_command_to_move_while_the_feet_are_being_put_in_order_is_followed():

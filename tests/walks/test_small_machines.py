@@ -31,13 +31,16 @@ def small(share: float) -> Machine:
     return machine_from(data)
 
 
-def walked(share: float, mode: str, seconds: float = 15.0, **terrain: object) -> Simulation:
-    ground = terrain or {"kind": "flat"}
-    scenario = {"robot": as_data(small(share)), "mode": mode, "terrain": ground}
-    sim = Simulation(Scenario.model_validate(scenario))
+@cache
+def distance(share: float, body: str) -> float:
+    """m walked in 15 s over level ground, by a machine that is titan3 times so much, as fast as it
+    can.
+    """
+    scenario = {"robot": as_data(small(share)), "mode": "paper", "gait": {"body": body}}
+    sim = Simulation(Scenario.model_validate(scenario | {"terrain": {"kind": "flat"}}))
     sim.drive(speed=share)
-    sim.run(seconds=seconds)
-    return sim
+    sim.run(seconds=15.0)
+    return sim.distance
 
 
 def test_machines_from_a_reach_of_20_cm_on_are_full_size():
@@ -53,8 +56,15 @@ def test_a_machine_planned_for_with_less_of_its_reach_is_no_smaller():
 
 @pytest.mark.parametrize("share", [0.2, 0.1])
 def test_a_small_machine_walks_level_ground_as_a_large_one_does(share):
-    whole = walked(1.0, "paper").distance
-    assert walked(share, "paper").distance / share == pytest.approx(whole, rel=0.2)
+    whole = distance(1.0, "straight")
+    assert distance(share, "straight") / share == pytest.approx(whole, rel=0.2)
+
+
+# a fifth of it may speed up as much as it needs to; the feet of a tenth of it come down too slowly
+@pytest.mark.parametrize(("share", "pace"), [(0.2, 1.22), (0.1, 0.68)])
+def test_a_small_machine_whose_body_sways_walks_at_the_pace_its_feet_allow(share, pace):
+    whole = distance(1.0, "sway")
+    assert distance(share, "sway") / share == pytest.approx(pace * whole, rel=0.05)
 
 
 def test_what_nobody_has_set_of_contact_shrinks_and_what_is_set_stays():

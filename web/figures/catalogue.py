@@ -34,14 +34,18 @@ def _odd_posture() -> dict[str, Recipe]:
     return _one("fig6c") | {"naive": Recipe("fig6c", ("mode=naive", "expect={}"))}
 
 
+def _lifting(lift: float) -> tuple[str, ...]:
+    """Settings for h_up, m, and twice as much down."""
+    return f"gait.lift_up={lift:.3f}", f"gait.lift_down={2 * lift:.3f}"
+
+
 def _sweep() -> dict[str, Recipe]:
     """fig. 16: every h_up with each v_up that has a line, and the other way round."""
     across = {(h, v) for h in MARKS[LIFT] for v in LINES[PACE]}
     along = {(h, v) for h in LINES[LIFT] for v in MARKS[PACE]}
-    gait = "gait={{duty_factor=0.8, smooth=false, lift_up={:.3f}, lift_down={:.3f}}}"
     short = ("end={time=300.0, distance=1.6}", "expect={}")
     walks = {
-        f"{h:g} m {v:g} m/s": Recipe("fig16", (gait.format(h, 2 * h), *short), v)
+        f"{h:g} m {v:g} m/s": Recipe("fig16", (*_lifting(h), *short), v)
         for h, v in sorted(across | along)
     }
     return _one("fig16") | walks

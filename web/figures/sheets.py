@@ -81,7 +81,9 @@ def walk_note(walk: RecordedWalk) -> str:
     """How the walk was commanded and how far it went, in a line."""
     angles = {angle for _, angle in walk.commands()}
     alpha = f"α = {degrees(next(iter(angles)))}, " if len(angles) == 1 else ""
-    return f"{alpha}β = {walk.gait.duty_factor:g}; {len(walk.steps)} steps, {walk.way[-1]:.2f} m"
+    way = f"{len(walk.steps)} steps, {walk.summary['distance']:.2f} m"
+    body = "" if walk.gait.sways else "; body straight as printed"
+    return f"{alpha}β = {walk.gait.duty_factor:g}; {way}{body}"
 
 
 def grid(

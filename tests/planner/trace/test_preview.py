@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from walking_console.planner.types import Command, GaitPreview
+from walking_console.planner.types import Command, GaitPreview, Mode
 from walking_console.sim.scenario_files import scenario_from
 from walking_console.sim.simulation import Simulation
 from walking_console.sim.world import prepare
@@ -90,8 +90,12 @@ def test_it_is_the_same_object_until_something_else_is_foreseen(on_its_way: Simu
     assert on_its_way.snapshot().ahead is on_its_way.snapshot().ahead
 
 
-def test_a_dead_end_says_how_far_the_way_is_sure() -> None:
-    ahead = foreseen(walking(500, 0.004, seed=1, trace={"kind": "sine"}))
+@pytest.mark.parametrize("body", ["straight", "sway"])
+@pytest.mark.parametrize("ticks", [400, 700])
+def test_a_dead_end_says_how_far_the_way_is_sure(ticks: int, body: str) -> None:
+    console = walking(ticks, 0.004, seed=1, trace={"kind": "sine"}, gait={"body": body})
+    ahead = foreseen(console)
+    assert (console.mode is Mode.BLOCKED) == (ticks == 700)
     assert not ahead.complete and ahead.reached < ahead.goal and ahead.reason
 
 

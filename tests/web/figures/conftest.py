@@ -9,8 +9,9 @@ pytest.importorskip("matplotlib")
 
 @pytest.fixture(scope="session")
 def run_directory(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Eight steps or so of a standard walk between holes."""
-    recipe = Recipe("fig12", ("end={time=120.0, distance=1.5}", "expect={}"))
+    """Eight steps or so of a standard walk between holes, the body swayed."""
+    settings = ("gait.body=sway", "end={time=120.0, distance=1.5}", "expect={}")
+    recipe = Recipe("fig12", settings)
     return walk_recipe(recipe, tmp_path_factory.mktemp("runs") / "holes")
 
 

@@ -17,8 +17,10 @@ from walking_console.web.figures.sheets import (
 
 
 def test_the_note_says_how_the_walk_was_commanded_and_how_far_it_went(walk: RecordedWalk) -> None:
-    steps = len(walk.steps)
-    assert walk_note(walk) == f"α = 28°, β = 0.8; {steps} steps, {walk.way[-1]:.2f} m"
+    swayed = f"α = 28°, β = 0.8; {len(walk.steps)} steps, {walk.summary['distance']:.2f} m"
+    assert walk_note(walk) == swayed
+    printed = replace(walk, gait=replace(walk.gait, sways=False))
+    assert walk_note(printed) == f"{swayed}; body straight as printed"
 
 
 def test_the_busiest_steps_are_those_that_land_farthest_from_the_start_of_their_search(

@@ -21,7 +21,7 @@ from walking_console.sim.runs.sweep.runner import DIED, SweepProgress, walk_all,
 from walking_console.sim.runs.sweep.table import CSV, read_table
 from walking_console.sim.runs.sweep.walker import Keep
 
-SETTINGS = ["end={time=1.5}", "expect={distance_min=0.11}", "drive.0.speed=0.05,0.08"]
+SETTINGS = ["end={time=1.5}", "expect={distance_min=0.085}", "drive.0.speed=0.05,0.08"]
 SWEEP = sweep_of("flat", SETTINGS, "1:3")
 
 
