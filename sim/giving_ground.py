@@ -25,7 +25,6 @@ class GivingGround:
     def __init__(self, patches: Sequence[LoosePatch], machine: Machine) -> None:
         self.holding = tuple(patches)
         self._weight = machine.mass * GRAVITY
-        self._stood: Sequence[bool] = ()  # soles that were on a tick ago
 
     def after(self, plant: Plant[Ground], ground: Ground) -> Ground:
         """The ground as the feet leave it; the same one while everything holds."""
@@ -38,16 +37,12 @@ class GivingGround:
         return ground.edited(cell for patch in broken for cell in _sunk(patch, ground))
 
     def _loads(self, plant: Plant[Ground]) -> Sequence[float]:
-        """What every foot presses with, N: an even share where the plant does not say. A foot that
-        comes down in this tick carries from the next one on.
-        """
-        soles = tuple(plant.soles)
-        carrying = [on and was for on, was in zip(soles, self._stood or soles, strict=True)]
-        self._stood = soles
+        """What every foot presses with, N: an even share where the plant does not say."""
         if plant.loads:
             return plant.loads
-        share = self._weight / max(1, sum(carrying))
-        return [share if on else 0.0 for on in carrying]
+        soles = plant.soles
+        share = self._weight / max(1, sum(soles))
+        return [share if on else 0.0 for on in soles]
 
 
 def _is_overloaded(patch: LoosePatch, feet: Sequence[tuple[Sequence[float], float]]) -> bool:

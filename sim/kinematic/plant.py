@@ -155,14 +155,14 @@ class KinematicPlant:
         """
         q = self.q
         q.replace_ground(ground)
-        for leg, foot in enumerate(q.feet):
+        for leg in tuple(q.carrying):
+            foot = q.feet[leg]
             height = ground.height_at(foot[0], foot[1])
-            holds = height >= foot[2] - SOLE_GAP
-            if leg in q.carrying and holds:
+            if height >= foot[2] - SOLE_GAP:
                 foot[2] = height
-            elif q.soles[leg] and not holds:  # one that has just come down among them
+            else:
+                q.carrying.remove(leg)
                 q.soles[leg] = False
-                q.carrying = [other for other in q.carrying if other != leg]
         self._support.take_stock(self._falling.fall is not None)
         self._support.quiet = False
 

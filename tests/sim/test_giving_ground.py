@@ -44,19 +44,6 @@ def test_a_patch_that_nobody_stands_on_holds():
     assert sim.perception.ground is sim.world.ground
 
 
-def test_a_foot_presses_from_the_tick_after_it_came_down_on():
-    sim = standing_on({"x": [0.9, 1.6], "y": [0.1, 0.9], "sinks": 0.05})
-    sim.drive(speed=0.08)
-    on = 0
-    while sim.perception.ground is sim.world.ground:
-        sim.step()
-        feet = zip(sim.plant.feet, sim.plant.soles, strict=True)
-        on += any(sole and 0.9 <= x and 0.1 <= y for (x, y, _), sole in feet)
-        assert sim.tick_count < 1000
-    assert on >= 1
-    assert min(foot[2] for foot in sim.plant.feet) > -0.001  # no foot goes down with it at once
-
-
 def test_the_walker_is_not_told():
     sim = standing_on(UNDER_FOOT_1)
     before = sim.perception.belief

@@ -74,6 +74,7 @@ def send_until_gone(attack: Attack, made: socket.socket, many: bytes) -> float |
     """When the close code came; None where none did. Goes on sending until nothing takes it."""
     made.settimeout(0.5)
     told: float | None = None
+    said = Heard()
     ends = time.monotonic() + CYCLE
     while attack.goes_on and time.monotonic() < ends:
         try:
@@ -86,7 +87,8 @@ def send_until_gone(attack: Attack, made: socket.socket, many: bytes) -> float |
         heard = read_now(made)
         if heard == b"":
             return told
-        if told is None and closes(heard):
+        said.take(heard or b"")
+        if told is None and said.closes:
             told = time.monotonic()
     return None
 
@@ -101,13 +103,41 @@ def read_now(made: socket.socket) -> bytes | None:
         return b""
 
 
-def closes(heard: bytes | None) -> bool:
-    """Whether a close frame is in it: 0x88, a short length, and a code from 1000 to 1014."""
-    if not heard:
-        return False
-    return any(
-        heard[at] == CLOSE and heard[at + 2 : at + 3] == b"\x03" for at in range(len(heard) - 3)
-    )
+class Heard:
+    """What a server says on a WebSocket: the answer to the handshake, then frames."""
+
+    def __init__(self) -> None:
+        self.closes = False  # a close frame has come
+        self._left = b""
+        self._answered = False
+        self._skip = 0  # bytes of a frame that are still to come
+
+    def take(self, heard: bytes) -> None:
+        """The next bytes."""
+        self._left += heard
+        if not self._answered:
+            head, end, rest = self._left.partition(b"\r\n\r\n")
+            self._answered = bool(end)
+            self._left = rest if end else head
+        while self._answered and self._left:
+            passed = min(self._skip, len(self._left))
+            self._skip -= passed
+            self._left = self._left[passed:]
+            if self._skip or not self._frame():
+                return
+
+    def _frame(self) -> bool:
+        """Begin the next frame; False until its head is whole."""
+        if len(self._left) < 2:
+            return False
+        more = {126: 2, 127: 8}.get(self._left[1], 0)
+        head = 2 + more
+        if len(self._left) < head:
+            return False
+        self.closes = self.closes or self._left[0] == CLOSE
+        self._skip = int.from_bytes(self._left[2:head], "big") if more else self._left[1]
+        self._left = self._left[head:]
+        return True
 
 
 def drive(attack: Attack) -> None:
