@@ -8,11 +8,16 @@ body straight as printed changes its pace and stops at once.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
+from ..motion.body_bounds import STEEPEST, Support
+from ..motion.body_course import centre_over
 from ..motion.braking import LEAST_SHARE, STANDS, Braking, braking
+from ..stability import support_polygon
 from ..types import TICK, Command, Sensing, Stance
 from .execution import Execution
 
+SOON = 0.4  # s; a foot that lands by then is waited for where the body is too fast to stop before
 SLOWER = 0.5  # of the speed, while a foot slips and for a while after
 
 
@@ -23,6 +28,8 @@ def pace_for(run: Execution, command: Command) -> float:
     A body that waits for its foot is not kept waiting longer by a slower command.
     """
     plan = run.tracker.plan
+    if command.holds and plan.rates is not None:
+        return run.pace  # its foot is to land first
     if plan.speed <= 0.0:
         return _in_reach(run, 1.0)
     wanted = _asked(run, command)
@@ -72,20 +79,42 @@ def braking_now(run: Execution, sensing: Sensing) -> Braking | None:
     """
     if run.held_back(sensing):
         return None
-    return _braking_at(run, sensing.body[0], sensing.body[1])
+    return _braking_at(run, sensing.body[0], sensing.body[1], run.carrying(standing=False))
 
 
 def braking_from(run: Execution, stance: Stance) -> Braking | None:
     """The same from where the body came out at the end of the plan."""
-    return _braking_at(run, stance.place[0], stance.place[1])
+    carrying = [leg not in stance.lifted for leg in range(len(stance.feet))]
+    return _braking_at(run, stance.place[0], stance.place[1], carrying)
 
 
-def _braking_at(run: Execution, x: float, y: float) -> Braking | None:
+def lands_first(run: Execution, way: Braking | None) -> bool:
+    """True of a body that is too fast to stop on the feet that carry now, or stops sooner on one
+    that lands soon.
+    """
+    if way is None or run.pace <= 0.0:
+        return False
+    left = (run.tracker.duration - run.t) / run.pace
+    vx, vy, _, turn = way.rates[0]
+    stopped = left + math.hypot(vx, vy, run.machine.yaw_length * turn) / STEEPEST
+    return left <= SOON and (not way.safe or stopped < way.seconds - TICK)
+
+
+def _braking_at(run: Execution, x: float, y: float, carrying: Sequence[bool]) -> Braking | None:
     if not run.gait.sways:
         return None
-    way = braking(run.tracker, run.t, run.pace, run.acceleration, run.machine.yaw_length)
+    support = _support(run, carrying)
+    way = braking(run.tracker, run.t, run.pace, support, run.machine.yaw_length)
     if way is None:
         return None
     dx = x - way.body[0][0]
     dy = y - way.body[0][1]
     return way if math.hypot(dx, dy) <= run.tolerances.same_place else way.moved(dx, dy)
+
+
+def _support(run: Execution, carrying: Sequence[bool]) -> Support:
+    """What carries the body where the plan has it."""
+    body = run.tracker.body_at(run.t)
+    feet = [run.tracker.foot_at(leg, run.t) for leg in range(len(carrying))]
+    polygon = support_polygon(foot for foot, carries in zip(feet, carrying, strict=True) if carries)
+    return Support(polygon, centre_over(run.machine, body, feet), run.bounds)

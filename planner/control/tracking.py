@@ -126,11 +126,18 @@ class TrajectoryTracker:
             turn + s * (2.0 * d + 3.0 * s * h),
         )
 
+    def bending_at(self, t: float) -> tuple[float, float]:
+        """How the plan has the body's velocity over the ground change at t, m/s²."""
+        stretch = self.stretches[self.stretch(t)]
+        if stretch.bend is None:
+            return 0.0, 0.0
+        (a, b, _, _), (e, f, _, _) = stretch.bend
+        s = min(max(t, 0.0), self.duration) - stretch.start
+        return 2.0 * a + 6.0 * s * e, 2.0 * b + 6.0 * s * f
+
     def acceleration_at(self, t: float) -> float:
         """Of the body over the ground, m/s²."""
-        stretch = self.stretches[self.stretch(t)]
-        s = min(max(t, 0.0), self.duration) - stretch.start
-        return _acceleration(stretch, s)
+        return math.hypot(*self.bending_at(t))
 
     @property
     def rests_from(self) -> float:

@@ -14,7 +14,7 @@ from ..terrain.map import TerrainMap
 from ..types import Blocked, Command, Sensing, Stance, StepPlan
 from .activities import PLACING, Activity, Event, after
 from .execution import Execution, resting
-from .pacing import braking_from, braking_now
+from .pacing import braking_from, braking_now, lands_first
 from .plan_job import PlanJob
 from .setbacks import Setbacks
 
@@ -108,11 +108,14 @@ class WalkState:
 
     def stop(self, now: Now) -> None:
         """The body stops, as soon as its margin allows; feet in the air are set down where they are
-        nearest to ground.
+        nearest to ground. A body too fast to stop without one that lands soon goes on until then.
         """
         run = self.run
         airborne = run.in_the_air()
         here = self.brought_to_rest(now)
+        if airborne and lands_first(run, self._braking):
+            self._braking = None
+            return
         if not airborne and self._braking is None:
             return self.stand_still(now)
         self.job.forget()

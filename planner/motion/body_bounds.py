@@ -17,6 +17,7 @@ from .body_path import edges_across
 
 RESERVE = 0.005  # m of margin that slowing down leaves; less: see the machine rock as it stops
 STEEPEST = 1.0  # m/s², most to slow down by; more: see a body jerk that is nowhere near an edge
+PARALLEL = 1e-6  # an edge that a way nears by less of its length lies along it
 LOWEST = 0.05  # m; a body nearer to the ground counts as so high
 FARTHEST = 10.0  # m; room without an edge ahead
 
@@ -42,6 +43,34 @@ def bounds_of(stance: Stance, gait: Gait) -> Bounds:
     ground = min(foot[2] for foot in stance.feet)
     height = max(stance.body[2] - ground, LOWEST)
     return Bounds(gait.margin, GRAVITY * max(gait.margin, RESERVE) / height, height)
+
+
+class Support(NamedTuple):
+    """What carries a body that slows down."""
+
+    polygon: Polygon  # of the feet that carry meanwhile
+    centre: XY  # of gravity from the body, m
+    bounds: Bounds
+
+    def slowing(self, place: XY, ahead: XY, bends: XY = (0.0, 0.0)) -> float:
+        """The most the body may slow down there, m/s², while its way bends by ``bends``, m/s²; the
+        zero-moment point stays ``RESERVE`` inside. Not positive where it cannot.
+
+        ``ahead`` is the body's velocity over its speed, in which its turning counts too.
+        """
+        bounds = self.bounds
+        if bounds.height <= 0.0:
+            return bounds.acceleration
+        if len(self.polygon) < 3:
+            return 0.0
+        lever = bounds.height / GRAVITY
+        x = place[0] + self.centre[0] - lever * bends[0]
+        y = place[1] + self.centre[1] - lever * bends[1]
+        most = STEEPEST
+        for depth, rate in edges_across(self.polygon, x, y, ahead):
+            if rate < -PARALLEL:
+                most = min(most, (RESERVE - depth) / (lever * rate))
+        return most
 
 
 def room_ahead(polygon: Polygon, place: XY, ahead: XY) -> float:

@@ -1,8 +1,10 @@
 """How a body that walks comes to rest: on along its planned way, ever slower.
 
-A body with mass cannot stop dead: on a margin m its centre of gravity may slow down by g·m/h and no
-faster. The planned way keeps the margin at every place, so the body stays on it while it slows
-down, and goes straight on where the plan ends before it stands. Metres, seconds, absolute frame.
+A body with mass cannot stop dead: on a margin m ahead its centre of gravity may slow down by g·m/h
+and no faster. It takes what it has at every tick: in the middle of a support several times what its
+way is planned with. The planned way keeps the margin at every place, so the body stays on it while
+it slows down, and goes straight on where the plan ends before it stands. A body that is too fast
+for the edge ahead waits for its foot to land. Metres, seconds, absolute frame.
 """
 
 from __future__ import annotations
@@ -15,14 +17,15 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from ..geometry.transforms import Body
+from ..geometry.transforms import XY, Body
 from ..types import TICK, Phase, Point, Stance, StepPlan
+from .body_bounds import Support
 from .step_builder import changed
 from .swing import between
 from .swing_profile import cubic_between
 
 STANDS = 2e-3  # m/s; a body slower than this, or a foot it turns with, stands
-LEAST_SHARE = 0.3  # of the acceleration that is left for slowing down in a bend of the way
+LEAST_SHARE = 0.3  # of the acceleration of a way, for slowing down where nothing is left of it
 SAME_TIME = 1e-6  # s
 STILL = (0.0, 0.0, 0.0)
 TICKS_MAX = 500  # of slowing down
@@ -37,7 +40,7 @@ class Played(Protocol):
 
     def velocity_at(self, t: float) -> Body: ...
 
-    def acceleration_at(self, t: float) -> float: ...
+    def bending_at(self, t: float) -> XY: ...
 
 
 class Braking(NamedTuple):
@@ -45,6 +48,7 @@ class Braking(NamedTuple):
 
     body: Sequence[Body]
     rates: Sequence[Body]
+    safe: bool = True  # its zero-moment point stays inside of what carries it
 
     @property
     def seconds(self) -> float:
@@ -53,7 +57,9 @@ class Braking(NamedTuple):
 
     def moved(self, dx: float, dy: float) -> Braking:
         """The same from somewhere else, m."""
-        return Braking([(x + dx, y + dy, z, yaw) for x, y, z, yaw in self.body], self.rates)
+        return Braking(
+            [(x + dx, y + dy, z, yaw) for x, y, z, yaw in self.body], self.rates, self.safe
+        )
 
     def rest_of(self, stance: Stance) -> Stance:
         """The stance with its body where it will stand."""
@@ -116,40 +122,51 @@ def _phase_at(plan: StepPlan, t: float) -> Phase:
 
 
 def braking(
-    plan: Played, t: float, pace: float, acceleration: float, yaw_length: float
+    plan: Played, t: float, pace: float, support: Support, yaw_length: float
 ) -> Braking | None:
-    """From ``t`` of a plan that is played at ``pace`` to rest, slowing down by no more than
-    ``acceleration``, m/s²; None for a body that stands.
+    """From ``t`` of a plan that is played at ``pace`` to rest, slowing down as fast as the
+    ``support`` allows at every tick; None for a body that stands.
     """
     rates = [_scaled(plan.velocity_at(t), pace)]
     if pace <= 0.0 or _speed(rates[0], yaw_length) <= STANDS:
         return None
     body = [plan.body_at(t)]
+    safe = True
+    least = LEAST_SHARE * support.bounds.acceleration
     for _ in range(TICKS_MAX):
         if pace <= 0.0:
             break
-        speed = max(_speed(plan.velocity_at(t), yaw_length), STANDS)
-        bends = pace * pace * plan.acceleration_at(t)
-        left = math.sqrt(max(acceleration * acceleration - bends * bends, 0.0))
-        slower = max(0.0, pace - max(left, LEAST_SHARE * acceleration) * TICK / speed)
+        velocity = plan.velocity_at(t)
+        speed = max(_speed(velocity, yaw_length), STANDS)
+        bends = plan.bending_at(t)
+        square = pace * pace
+        ahead = (velocity[0] / speed, velocity[1] / speed)
+        most = support.slowing(body[-1][:2], ahead, (square * bends[0], square * bends[1]))
+        safe = safe and most >= least
+        slower = max(0.0, pace - max(most, least) * TICK / speed)
         t += TICK * (pace + slower) / 2.0
         if t > plan.duration:
             break
         pace = slower
         body.append(plan.body_at(t))
         rates.append(_scaled(plan.velocity_at(t), pace))
-    return _straight_on(Braking(body, rates), acceleration, yaw_length)
+    return _straight_on(Braking(body, rates, safe), support, yaw_length)
 
 
-def _straight_on(way: Braking, acceleration: float, yaw_length: float) -> Braking:
+def _straight_on(way: Braking, support: Support, yaw_length: float) -> Braking:
     """The way gone on with straight until the body stands."""
     body = list(way.body)
     rates = list(way.rates)
+    safe = way.safe
+    least = LEAST_SHARE * support.bounds.acceleration
     speed = _speed(rates[-1], yaw_length)
     for _ in range(TICKS_MAX):
         if speed <= 0.0:
             break
-        slower = max(0.0, speed - acceleration * TICK)
+        ahead = (rates[-1][0] / speed, rates[-1][1] / speed)
+        most = support.slowing(body[-1][:2], ahead)
+        safe = safe and most >= least
+        slower = max(0.0, speed - max(most, least) * TICK)
         now = _scaled(rates[-1], slower / speed)
         x, y, z, yaw = (
             place + TICK * (a + b) / 2.0
@@ -159,7 +176,7 @@ def _straight_on(way: Braking, acceleration: float, yaw_length: float) -> Brakin
         rates.append(now)
         speed = slower
     rates[-1] = (0.0, 0.0, 0.0, 0.0)
-    return Braking(body, rates)
+    return Braking(body, rates, safe)
 
 
 def _speed(rate: Body, yaw_length: float) -> float:

@@ -3,6 +3,10 @@
 import numpy as np
 import pytest
 
+from tests.sweeps.stops import stop_after
+from walking_console.planner.motion.body_bounds import STEEPEST
+from walking_console.planner.types import Mode
+
 from .telling import walked
 
 SWAY = ('gait.body="sway"', "expect={}")
@@ -39,7 +43,10 @@ def test_a_trace_with_corners_is_walked_without_jerks(tmp_path):
     walk = walked(tmp_path, "k-free-vs-rigid", *SWAY)
     assert walk.summary["result"] == "completed"
     # g·20 mm/0.5 m is 0.39 m/s²; a quarter more where a corner comes too soon to slow down for it
-    assert acceleration(walk.log).max() <= 0.5
+    stops = walk.log["mode"] == Mode.SETTLE
+    stops = stops[:-2] | stops[1:-1] | stops[2:]
+    assert acceleration(walk.log)[~stops].max() <= 0.5
+    assert acceleration(walk.log)[stops].max() <= STEEPEST * 1.001
 
 
 def touch_speeds(walk):
@@ -59,14 +66,12 @@ def test_feet_come_down_softly_on_known_ground_and_the_body_has_no_jumps(tmp_pat
     assert acceleration(walk.log).max() <= most
 
 
-def test_a_stop_in_the_middle_of_a_step_is_as_short_as_the_acceleration_allows(tmp_path):
-    drive = "drive=[{t=0.0,speed=0.08},{t=7.3}]"
-    walk = walked(tmp_path, "flat", *SWAY, drive, "end={time=12.0}")
-    assert acceleration(walk.log).max() <= 0.25
-    speed = np.hypot(*np.diff(walk.log["body"][:, :2], axis=0).T) / 0.02
-    stands = np.nonzero(speed[365:] < 1e-6)[0][0] * 0.02
-    assert 0.2 <= stands <= 0.08 / (0.3 * 0.226) + 0.1
-    assert walk.summary["polygon_margin_min"] >= 0.015
+@pytest.mark.parametrize("speed", [0.08, 0.5])
+@pytest.mark.parametrize("degrees", [-60.0, 0.0, 45.0, 90.0, 165.0])
+def test_a_stop_at_any_phase_is_short_and_the_zero_moment_point_stays_inside(degrees, speed):
+    for tick in (323, 410, 495, 560):
+        seconds, _, least = stop_after(tick, degrees, speed)
+        assert seconds <= 0.4 and least >= 0.003
 
 
 def test_no_foot_lands_within_a_centimetre_of_a_hole_unless_it_may(tmp_path):

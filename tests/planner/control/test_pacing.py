@@ -6,7 +6,12 @@ import pytest
 
 from tests.planner.control.plans import AHEAD, execution, sensed, swing_plan
 from tests.planner.motion.test_body_sway import GAIT, walked
-from walking_console.planner.control.pacing import braking_from, braking_now, pace_for
+from walking_console.planner.control.pacing import (
+    braking_from,
+    braking_now,
+    lands_first,
+    pace_for,
+)
 from walking_console.planner.types import TICK, Command
 
 
@@ -68,3 +73,21 @@ def test_a_body_that_is_held_back_has_stopped_already():
     run = swaying()
     x, y, z, yaw = run.tracker.body_at(run.t)
     assert braking_now(run, sensed(body=(x - 0.05, y, z, 0.0, 0.0, yaw))) is None
+
+
+def test_a_foot_that_lands_soon_is_waited_for_where_the_body_stops_sooner_on_it_or_cannot_before():
+    run = swaying()
+    x, y, z, yaw = run.tracker.body_at(run.t)
+    way = braking_now(run, sensed(body=(x, y, z, 0.0, 0.0, yaw)))
+    assert way is not None and way.safe
+    unsafe = way._replace(safe=False)
+    assert not lands_first(run, unsafe)  # it lands in a second or two
+    run.t = run.tracker.duration - 0.2
+    assert lands_first(run, unsafe) and not lands_first(run, None)
+    assert not lands_first(run, way)
+    assert lands_first(run, way._replace(body=[way.body[0]] * 40))
+
+
+def test_a_stick_let_go_keeps_the_pace_of_a_swaying_step_whose_foot_lands_first():
+    run = swaying()
+    assert pace_for(run, Command()) == run.pace == 1.0

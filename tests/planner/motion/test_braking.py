@@ -7,21 +7,62 @@ import pytest
 
 from tests.planner.motion.test_body_sway import GAIT, TITAN, walked
 from walking_console.planner.control.tracking import TrajectoryTracker
-from walking_console.planner.motion.body_bounds import bounds_of
+from walking_console.planner.motion.body_bounds import Bounds, Support, bounds_of
+from walking_console.planner.motion.body_course import centre_over
 from walking_console.planner.motion.braking import Braking, braking
 from walking_console.planner.motion.step_builder import holding_plan
+from walking_console.planner.stability import polygon_margin, support_polygon
 from walking_console.planner.types import TICK, Phase
 
 STEPS = walked(45, 6)
-MOST = bounds_of(STEPS[0][0], GAIT).acceleration
+BOUNDS = bounds_of(STEPS[0][0], GAIT)
+MOST = BOUNDS.acceleration
+GIVEN = Support((), (0.0, 0.0), Bounds(0.02, MOST))  # it slows down by MOST whatever carries it
 
 
-def stopped(step: int, share: float, pace: float = 1.0) -> tuple[TrajectoryTracker, float, Braking]:
+def stopped(
+    step: int, share: float, pace: float = 1.0, support: Support = GIVEN
+) -> tuple[TrajectoryTracker, float, Braking]:
     tracker = TrajectoryTracker(STEPS[step][2])
     t = share * tracker.duration
-    way = braking(tracker, t, pace, MOST, TITAN.yaw_length)
+    way = braking(tracker, t, pace, support, TITAN.yaw_length)
     assert way is not None
     return tracker, t, way
+
+
+def carried(step: int, share: float, width: float = 0.0) -> Support:
+    """What carries the body so far into a step; ``width`` (m): a square about its place instead."""
+    tracker = TrajectoryTracker(STEPS[step][2])
+    t = share * tracker.duration
+    body = tracker.body_at(t)
+    feet = [tracker.foot_at(leg, t) for leg in range(4)]
+    on = [leg for leg in range(4) if leg not in STEPS[step][2].swing]
+    x, y = (body[axis] + centre_over(TITAN, body, feet)[axis] for axis in (0, 1))
+    square = [(x + a * width, y + b * width, 0.0) for a in (-1, 1) for b in (-1, 1)]
+    polygon = support_polygon(square if width else [feet[leg] for leg in on])
+    return Support(polygon, (x - body[0], y - body[1]), BOUNDS)
+
+
+def least_margin(way: Braking, support: Support) -> float:
+    """Of the zero-moment point while the body slows down, m."""
+    places = np.array([place[:2] for place in way.body]) + support.centre
+    slowing = np.diff(places, 2, axis=0) / TICK**2
+    points = places[1:-1] - BOUNDS.height / 9.81 * slowing
+    return min(polygon_margin(support.polygon, x, y) for x, y in points)
+
+
+@pytest.mark.parametrize("share", np.linspace(0.45, 0.85, 5))
+@pytest.mark.parametrize("step", [2, 3, 4])
+def test_on_the_feet_that_carry_it_stops_sooner_and_its_zero_moment_point_stays_inside(step, share):
+    support = carried(step, share)
+    _, _, way = stopped(step, share, support=support)
+    assert way.safe and way.seconds < stopped(step, share)[2].seconds
+    assert least_margin(way, support) >= 0.003
+
+
+def test_a_body_too_fast_for_the_edge_ahead_of_it_says_so():
+    assert stopped(3, 0.5, support=carried(3, 0.5, 0.08))[2].safe
+    assert not stopped(3, 0.5, support=carried(3, 0.5, 0.012))[2].safe
 
 
 @pytest.mark.parametrize("share", np.linspace(0.05, 0.99, 9))
@@ -52,9 +93,9 @@ def test_it_stays_on_the_planned_way_as_long_as_there_is_one():
 
 def test_a_body_that_stands_needs_no_way_to_rest():
     tracker = TrajectoryTracker(STEPS[3][2])
-    assert braking(tracker, 0.5, 0.0, MOST, TITAN.yaw_length) is None
+    assert braking(tracker, 0.5, 0.0, GIVEN, TITAN.yaw_length) is None
     held = TrajectoryTracker(holding_plan(STEPS[0][0]))
-    assert braking(held, 0.0, 1.0, MOST, TITAN.yaw_length) is None
+    assert braking(held, 0.0, 1.0, GIVEN, TITAN.yaw_length) is None
 
 
 def test_laid_onto_a_plan_it_moves_the_body_and_leaves_the_feet():
