@@ -64,8 +64,12 @@ class Motion(NamedTuple):
 class Stop(NamedTuple):
     """How a body that is thrown off its course is stopped first."""
 
-    onward: float  # m of its reference a second that it keeps
-    seconds: float  # until the rest of its motion is over
+    onward: float  # m of its reference a second that it keeps, where its way allows
+    acceleration: float  # m/s², by which the rest of its motion is stopped
+
+    def seconds(self, rate: XY) -> float:
+        """How long a motion takes to be over, s."""
+        return math.hypot(*rate) / self.acceleration
 
 
 def swayed(
@@ -117,7 +121,8 @@ def _within_reach(task: _Task, table: _Table) -> _Way:
     if least <= 0.0:
         return best
     for stop in _stops(task):
-        way = _in_time(task._replace(stop=stop), table.on_all_feet_for(stop.seconds + UNHURRIED))
+        seconds = stop.seconds(task.stance.velocity) + UNHURRIED
+        way = _in_time(task._replace(stop=stop), table.on_all_feet_for(seconds))
         beyond = way.beyond_reach()
         if beyond < least:
             best = way
@@ -135,16 +140,17 @@ def _stops(task: _Task) -> Iterator[Stop]:
     side = course.side(0.0)
     along = _dot(stance.sway, (side[1], -side[0]))
     place = course.weight_at(course.lifting(0.0), _dot(stance.sway, side), along)
-    onward = max(_speed_onward(course, stance), 0.0)
-    for speed_onward in (onward, 0.0):
+    rooms = []
+    for speed_onward in (max(_speed_onward(course, stance), 0.0), 0.0):
         thrown = _thrown(course, stance, speed_onward)
         speed = math.hypot(*thrown)
-        if speed < STILL:
-            continue
-        room = room_ahead(course.before, place, (thrown[0] / speed, thrown[1] / speed))
-        most = bounds.steepest(room)
+        if speed >= STILL:
+            ahead = (thrown[0] / speed, thrown[1] / speed)
+            rooms.append((speed_onward, room_ahead(course.before, place, ahead)))
+    most = bounds.steepest(min((room for _, room in rooms), default=0.0))
+    for speed_onward, _ in rooms:
         for acceleration in sorted({min(2.0 * bounds.acceleration, most), most}):
-            yield Stop(speed_onward, speed / acceleration)
+            yield Stop(speed_onward, acceleration)
 
 
 def _in_time(task: _Task, table: _Table) -> _Way:
@@ -288,14 +294,16 @@ class _Way:
         lift = table.times[table.lift]
         back = lift if lift > UNHURRIED else table.times[-1]
         if stop is None:
+            seconds = 0.0
             along = _coming_back(start, back, braking)
             gates = _gates(table, course, ahead, bounds.margin + SPARE, along)
             across = through_gates(beside, gates)
         else:
-            along = [start, _stopped(start, stop.seconds), Knot(back, 0.0, 0.0)]
+            seconds = stop.seconds(rest)
+            along = [start, _stopped(start, seconds), Knot(back, 0.0, 0.0)]
             gates = _gates(table, course, ahead, bounds.margin + SPARE, along)
-            across = [beside, *through_gates(_stopped(beside, stop.seconds), gates)]
-        return cls(table, course, progress, along, across, stop.seconds if stop else 0.0)
+            across = [beside, *through_gates(_stopped(beside, seconds), gates)]
+        return cls(table, course, progress, along, across, seconds)
 
     def times_within(self, end: float) -> list[float]:
         """Of its knots within the step, s; nearer ones than ``SOONEST`` are one."""
