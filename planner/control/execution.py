@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from ..config import PlannerConfig, Tolerances
 from ..geometry.transforms import Body, attitude_of, direction
-from ..motion.body_bounds import Bounds, bounds_of
+from ..motion.body_bounds import bounds_of
 from ..motion.step_builder import holding_plan, with_feet
 from ..motion.swing_profile import gentle, legs_on_known_ground
 from ..robot.model import Machine
@@ -108,14 +108,9 @@ class Execution:
         self.pace = 0.0
 
     @property
-    def bounds(self) -> Bounds:
-        """What the body may do on its way."""
-        return bounds_of(self.stance, self.gait)
-
-    @property
     def acceleration(self) -> float:
         """The most the body may speed up or slow down, m/s²."""
-        return self.bounds.acceleration
+        return bounds_of(self.stance, self.gait).acceleration
 
     @property
     def comes_to_rest(self) -> bool:

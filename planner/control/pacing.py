@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from ..motion.body_bounds import STEEPEST, Support
+from ..motion.body_bounds import STEEPEST, CarryingFeet, bounds_of
 from ..motion.body_course import centre_over
 from ..motion.braking import LEAST_SHARE, STANDS, Braking, braking
 from ..stability import support_polygon
@@ -103,8 +103,8 @@ def lands_first(run: Execution, way: Braking | None) -> bool:
 def _braking_at(run: Execution, x: float, y: float, carrying: Sequence[bool]) -> Braking | None:
     if not run.gait.sways:
         return None
-    support = _support(run, carrying)
-    way = braking(run.tracker, run.t, run.pace, support, run.machine.yaw_length)
+    footing = _footing(run, carrying)
+    way = braking(run.tracker, run.t, run.pace, footing, run.machine.yaw_length)
     if way is None:
         return None
     dx = x - way.body[0][0]
@@ -112,9 +112,11 @@ def _braking_at(run: Execution, x: float, y: float, carrying: Sequence[bool]) ->
     return way if math.hypot(dx, dy) <= run.tolerances.same_place else way.moved(dx, dy)
 
 
-def _support(run: Execution, carrying: Sequence[bool]) -> Support:
+def _footing(run: Execution, carrying: Sequence[bool]) -> CarryingFeet:
     """What carries the body where the plan has it."""
     body = run.tracker.body_at(run.t)
     feet = [run.tracker.foot_at(leg, run.t) for leg in range(len(carrying))]
     polygon = support_polygon(foot for foot, carries in zip(feet, carrying, strict=True) if carries)
-    return Support(polygon, centre_over(run.machine, body, feet), run.bounds)
+    return CarryingFeet(
+        polygon, centre_over(run.machine, body, feet), bounds_of(run.stance, run.gait)
+    )

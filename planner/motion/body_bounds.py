@@ -45,7 +45,7 @@ def bounds_of(stance: Stance, gait: Gait) -> Bounds:
     return Bounds(gait.margin, GRAVITY * max(gait.margin, RESERVE) / height, height)
 
 
-class Support(NamedTuple):
+class CarryingFeet(NamedTuple):
     """What carries a body that slows down."""
 
     polygon: Polygon  # of the feet that carry meanwhile

@@ -19,7 +19,7 @@ import numpy as np
 
 from ..geometry.transforms import XY, Body
 from ..types import TICK, Phase, Point, Stance, StepPlan
-from .body_bounds import Support
+from .body_bounds import CarryingFeet
 from .step_builder import changed
 from .swing import between
 from .swing_profile import cubic_between
@@ -122,17 +122,17 @@ def _phase_at(plan: StepPlan, t: float) -> Phase:
 
 
 def braking(
-    plan: Played, t: float, pace: float, support: Support, yaw_length: float
+    plan: Played, t: float, pace: float, carrying: CarryingFeet, yaw_length: float
 ) -> Braking | None:
     """From ``t`` of a plan that is played at ``pace`` to rest, slowing down as fast as the
-    ``support`` allows at every tick; None for a body that stands.
+    ``carrying`` feet allow at every tick; None for a body that stands.
     """
     rates = [_scaled(plan.velocity_at(t), pace)]
     if pace <= 0.0 or _speed(rates[0], yaw_length) <= STANDS:
         return None
     body = [plan.body_at(t)]
     safe = True
-    least = LEAST_SHARE * support.bounds.acceleration
+    least = LEAST_SHARE * carrying.bounds.acceleration
     for _ in range(TICKS_MAX):
         if pace <= 0.0:
             break
@@ -141,7 +141,7 @@ def braking(
         bends = plan.bending_at(t)
         square = pace * pace
         ahead = (velocity[0] / speed, velocity[1] / speed)
-        most = support.slowing(body[-1][:2], ahead, (square * bends[0], square * bends[1]))
+        most = carrying.slowing(body[-1][:2], ahead, (square * bends[0], square * bends[1]))
         safe = safe and most >= least
         slower = max(0.0, pace - max(most, least) * TICK / speed)
         t += TICK * (pace + slower) / 2.0
@@ -150,21 +150,21 @@ def braking(
         pace = slower
         body.append(plan.body_at(t))
         rates.append(_scaled(plan.velocity_at(t), pace))
-    return _straight_on(Braking(body, rates, safe), support, yaw_length)
+    return _straight_on(Braking(body, rates, safe), carrying, yaw_length)
 
 
-def _straight_on(way: Braking, support: Support, yaw_length: float) -> Braking:
+def _straight_on(way: Braking, carrying: CarryingFeet, yaw_length: float) -> Braking:
     """The way gone on with straight until the body stands."""
     body = list(way.body)
     rates = list(way.rates)
     safe = way.safe
-    least = LEAST_SHARE * support.bounds.acceleration
+    least = LEAST_SHARE * carrying.bounds.acceleration
     speed = _speed(rates[-1], yaw_length)
     for _ in range(TICKS_MAX):
         if speed <= 0.0:
             break
         ahead = (rates[-1][0] / speed, rates[-1][1] / speed)
-        most = support.slowing(body[-1][:2], ahead)
+        most = carrying.slowing(body[-1][:2], ahead)
         safe = safe and most >= least
         slower = max(0.0, speed - max(most, least) * TICK)
         now = _scaled(rates[-1], slower / speed)

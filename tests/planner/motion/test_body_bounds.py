@@ -7,7 +7,7 @@ from walking_console.planner.motion.body_bounds import (
     RESERVE,
     STEEPEST,
     Bounds,
-    Support,
+    CarryingFeet,
     room_ahead,
 )
 
@@ -39,21 +39,23 @@ def test_an_acceleration_that_is_given_is_kept_whatever_the_room():
 
 
 def test_on_a_support_it_slows_down_until_its_zero_moment_point_is_at_the_reserve_ahead():
-    support = Support(SQUARE, (0.01, 0.0), BOUNDS)
+    support = CarryingFeet(SQUARE, (0.01, 0.0), BOUNDS)
     assert support.slowing((0.34, 0.2), (1.0, 0.0)) == pytest.approx(9.81 * (0.05 - RESERVE) / 0.85)
     assert support.slowing((0.36, 0.2), (0.5, 0.0)) == pytest.approx(
         2.0 * 9.81 * (0.03 - RESERVE) / 0.85
     )
     assert support.slowing((0.1, 0.2), (1.0, 0.0)) == STEEPEST
     assert support.slowing((0.4, 0.2), (1.0, 0.0)) < 0.0
-    assert Support((), (0.0, 0.0), BOUNDS).slowing((0.0, 0.0), (1.0, 0.0)) == 0.0
+    assert CarryingFeet((), (0.0, 0.0), BOUNDS).slowing((0.0, 0.0), (1.0, 0.0)) == 0.0
 
 
 def test_a_way_that_bends_takes_of_what_is_left_for_slowing_down():
-    support = Support(SQUARE, (0.0, 0.0), BOUNDS)
+    support = CarryingFeet(SQUARE, (0.0, 0.0), BOUNDS)
     slowed = support.slowing((0.35, 0.2), (1.0, 0.0), (-0.1, 0.0))
     assert slowed == pytest.approx(support.slowing((0.35, 0.2), (1.0, 0.0)) - 0.1)
 
 
 def test_an_acceleration_that_is_given_is_what_a_support_allows():
-    assert Support(SQUARE, (0.0, 0.0), Bounds(0.02, 0.1)).slowing((0.2, 0.2), (1.0, 0.0)) == 0.1
+    assert (
+        CarryingFeet(SQUARE, (0.0, 0.0), Bounds(0.02, 0.1)).slowing((0.2, 0.2), (1.0, 0.0)) == 0.1
+    )

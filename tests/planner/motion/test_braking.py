@@ -7,7 +7,7 @@ import pytest
 
 from tests.planner.motion.test_body_sway import GAIT, TITAN, walked
 from walking_console.planner.control.tracking import TrajectoryTracker
-from walking_console.planner.motion.body_bounds import Bounds, Support, bounds_of
+from walking_console.planner.motion.body_bounds import Bounds, CarryingFeet, bounds_of
 from walking_console.planner.motion.body_course import centre_over
 from walking_console.planner.motion.braking import Braking, braking
 from walking_console.planner.motion.step_builder import holding_plan
@@ -17,11 +17,13 @@ from walking_console.planner.types import TICK, Phase
 STEPS = walked(45, 6)
 BOUNDS = bounds_of(STEPS[0][0], GAIT)
 MOST = BOUNDS.acceleration
-GIVEN = Support((), (0.0, 0.0), Bounds(0.02, MOST))  # it slows down by MOST whatever carries it
+GIVEN = CarryingFeet(
+    (), (0.0, 0.0), Bounds(0.02, MOST)
+)  # it slows down by MOST whatever carries it
 
 
 def stopped(
-    step: int, share: float, pace: float = 1.0, support: Support = GIVEN
+    step: int, share: float, pace: float = 1.0, support: CarryingFeet = GIVEN
 ) -> tuple[TrajectoryTracker, float, Braking]:
     tracker = TrajectoryTracker(STEPS[step][2])
     t = share * tracker.duration
@@ -30,7 +32,7 @@ def stopped(
     return tracker, t, way
 
 
-def carried(step: int, share: float, width: float = 0.0) -> Support:
+def carried(step: int, share: float, width: float = 0.0) -> CarryingFeet:
     """What carries the body so far into a step; ``width`` (m): a square about its place instead."""
     tracker = TrajectoryTracker(STEPS[step][2])
     t = share * tracker.duration
@@ -40,10 +42,10 @@ def carried(step: int, share: float, width: float = 0.0) -> Support:
     x, y = (body[axis] + centre_over(TITAN, body, feet)[axis] for axis in (0, 1))
     square = [(x + a * width, y + b * width, 0.0) for a in (-1, 1) for b in (-1, 1)]
     polygon = support_polygon(square if width else [feet[leg] for leg in on])
-    return Support(polygon, (x - body[0], y - body[1]), BOUNDS)
+    return CarryingFeet(polygon, (x - body[0], y - body[1]), BOUNDS)
 
 
-def least_margin(way: Braking, support: Support) -> float:
+def least_margin(way: Braking, support: CarryingFeet) -> float:
     """Of the zero-moment point while the body slows down, m."""
     places = np.array([place[:2] for place in way.body]) + support.centre
     slowing = np.diff(places, 2, axis=0) / TICK**2
