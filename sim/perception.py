@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -26,7 +26,7 @@ from walking_console.planner.terrain.traversability import classify_again
 from walking_console.planner.types import Command, Sensing
 
 from .giving_ground import GivingGround
-from .range_sensor import RangeSensor
+from .range_sensor import RangeSensor, Scan
 from .requests import Edit, edited, rows_and_columns
 from .snapshot import TerrainView
 from .terrain.ground import Ground
@@ -36,6 +36,8 @@ from .world import World, true_forbidden
 ALL_ROUND = (0.0, 2 * math.pi / 3, -2 * math.pi / 3)
 # m around the start: ground the machine was set down on, known whatever the range sensor sees
 SET_DOWN = 1.2
+# ticks of a walk in one of which a block of the map is renewed: about all in view in a step
+RENEWING = 3
 SENSOR_STREAM = 9  # of the scenario's seed: the range sensor draws from a generator of its own
 
 
@@ -57,6 +59,7 @@ class Perception:
         self._view: TerrainView | None = None
         self.mapper: ElevationMapper | None = None
         self.range_sensor: RangeSensor | None = None
+        self._scan: Generator[None, None, Scan] | None = None  # under way
         self._steps_known = -1
         # of the plant, the oldest first: the one that is acted on, where sensors are late
         late = world.scenario.noise.late if world.scenario.noise else 0
@@ -69,6 +72,7 @@ class Perception:
         scenario = world.scenario
         self.mapper = mapper = _empty_mapper(world)
         mapper.touch(world.stance.feet)
+        mapper.set_prior(world.stance.feet)
         if scenario.sensing == "eye":
             rng = np.random.default_rng([scenario.seed, SENSOR_STREAM])
             self.range_sensor = RangeSensor(world.machine, world.ground, rng, scenario.eye)
@@ -76,7 +80,7 @@ class Perception:
             mapper.see(*disc(world.ground, x, y, SET_DOWN))
             for direction in ALL_ROUND:
                 mapper.see(*self.range_sensor.scan(body, direction))
-        self._believe(mapper.publish())
+        self._believe(mapper.publish().work_out())
 
     def perceive(
         self,
@@ -89,23 +93,46 @@ class Perception:
         """What the feet touch and the range sensor sees goes into the map; planning gets a new one
         at step switches and at rest.
 
-        Never in the middle of planning from a stand: it would begin anew at every scan.
+        Never in the middle of planning from a stand: it would begin anew at every scan. A scan is
+        spread over the ticks until the next: a few bearings in each, and then what it has found,
+        a part of the map in each.
         """
         mapper = self.mapper
-        sensor = self.range_sensor
         if mapper is None:
             return
-        scans = sensor is not None and tick % sensor.settings.every == 0
-        if sensor is not None and scans:
-            mapper.see(*sensor.scan(body, command.crab_angle))
+        at_rest = _at_rest(supervisor, command)
+        begins = self._look_on(mapper, body, command.crab_angle, tick)
+        if at_rest or self.range_sensor is None or tick % RENEWING == 0:
+            mapper.work_on()
         if supervisor.steps_begun != self._steps_known:
             self._steps_known = supervisor.steps_begun
             _touch(mapper, sensing)
-        elif not (scans and _at_rest(supervisor, command)):
+        elif not (begins and at_rest):
             return
-        believed = mapper.publish()
+        believed = mapper.publish_worked()
         if believed is not self.belief:
-            self._believe(believed)
+            self._believe(believed.work_out())
+
+    def _look_on(
+        self, mapper: ElevationMapper, body: Sequence[float], direction: float, tick: int
+    ) -> bool:
+        """One tick of looking; True in the tick in which a scan begins."""
+        sensor = self.range_sensor
+        if sensor is None:
+            return False
+        begins = tick % sensor.settings.every == 0
+        if begins:
+            self._scan = sensor.scanning(body, direction)
+        if self._scan is not None:
+            # the pauses, and what comes after the last, before the next scan begins
+            slices = math.ceil((sensor.pauses + 1) / sensor.settings.every)
+            self._scan = _scanned(self._scan, slices, mapper)
+        return begins
+
+    @property
+    def scan_is_over(self) -> bool:
+        """True when nothing of a scan of the range sensor is left to be looked at."""
+        return self._scan is None
 
     def learn(self, felt: Felt) -> None:
         """Cells (row, column) a foot has found to be no ground are forbidden from now on; what it
@@ -116,7 +143,7 @@ class Perception:
             return
         self.mapper.learn(felt.prohibited)
         self.mapper.feel(felt.heights)
-        self._believe(self.mapper.publish())
+        self._believe(self.mapper.publish_worked().work_out())
 
     def give_way(self, plant: Plant[Ground]) -> None:
         """Loose ground goes down under the feet; the belief stays, for feet and eye to find it
@@ -172,7 +199,7 @@ class Perception:
             mapper.learn(edit.cells)
         elif edit.action == "clear":
             mapper.forget(edit.cells)
-        self._believe(mapper.publish())
+        self._believe(mapper.publish_worked().work_out())
 
     def _believe(self, belief: TerrainMap) -> None:
         self.belief = belief
@@ -203,6 +230,19 @@ def _empty_mapper(world: World) -> ElevationMapper:
         level=left_fold_sum(foot[2] for foot in feet) / len(feet),
         edge=ground.edge,
     )
+
+
+def _scanned(
+    scan: Generator[None, None, Scan], slices: int, mapper: ElevationMapper
+) -> Generator[None, None, Scan] | None:
+    """So many slices of a scan; what is left of it, None when the mapper has been told all."""
+    try:
+        for _ in range(slices):
+            next(scan)
+    except StopIteration as done:
+        mapper.see(*done.value)
+        return None
+    return scan
 
 
 def _touch(mapper: ElevationMapper, sensing: Sensing) -> None:

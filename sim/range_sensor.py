@@ -3,7 +3,8 @@ ground itself hides.
 
 The ground is one height a cell, so a ray of a given bearing runs over one profile of heights, and
 whether a place is seen is whether it stands higher, as an angle, than everything nearer. One look
-is one (bearings, distances) array: its cost is bounded by the settings, whatever the map.
+is one (bearings, distances) array: its cost is bounded by the settings, whatever the map. It may be
+worked out a stripe of bearings at a time, all of them from the pose in which it began.
 
 Approximations: noise is in the height alone, bearing and place are exact; legs and torso do not
 stand in the way; beyond cell / ``resolution_deg`` (1.4 m for 0.025 m and 1 degree) the fan misses
@@ -13,7 +14,7 @@ cells between two rays; every look turns it by a random part of that, so that th
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
 from functools import cached_property
 from typing import Annotated, NamedTuple
 
@@ -22,6 +23,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from walking_console.planner.geometry.transforms import directions, placed, turned, turned_back
+from walking_console.planner.protocols import run_to_completion
 from walking_console.planner.robot.model import Machine
 from walking_console.planner.terrain.mapping import Index
 from walking_console.planner.types import Array, Point
@@ -32,6 +34,7 @@ from .terrain.ground import Ground
 GLIMPSE = 0.02  # m; a ray that gets this far below the rim of a hole has looked into it
 SURFACE = 1e-6  # m; rounding of ray against ground
 PROFILE_CELLS_MAX = 400  # samples along one ray: bounds a look on very fine maps
+STRIPE = 24  # bearings looked along at once. More: see ticks come late
 
 RayAngle = Annotated[float, Field(ge=0.25, le=10.0)]
 MountCoordinate = Annotated[float, Field(ge=-5.0, le=5.0)]
@@ -81,6 +84,17 @@ class Scan(NamedTuple):
     columns: Index
     heights: Array
     sides: NDArray[np.bool_]
+
+
+class Returns(NamedTuple):
+    """What some rays meet, as flat cell indices, cells more than once: ground from above, holes
+    looked into, and ground from the side with the height of the highest ray that came in, m.
+    """
+
+    tops: Index
+    holes: Index
+    sides: Index
+    came_in: Array
 
 
 class RangeSensor:
@@ -133,15 +147,31 @@ class RangeSensor:
         """One scan from the body's pose (x, y, z, roll, pitch, yaw); ``direction`` is the course in
         body axes, rad.
         """
+        return run_to_completion(self.scanning(body, direction))
+
+    @property
+    def pauses(self) -> int:
+        """How many times ``scanning`` pauses."""
+        return math.ceil(self.bearings.size / STRIPE) + 1
+
+    def scanning(
+        self, body: Sequence[float], direction: float = 0.0
+    ) -> Generator[None, None, Scan]:
+        """The same scan from this pose, a few bearings at a time."""
         settings = self.settings
-        across, resolution = (math.radians(angle) for angle in settings.resolution_deg)
+        across = math.radians(settings.resolution_deg[0])
         bearings = self.bearings + float(self.rng.uniform(-0.5, 0.5)) * across
         if settings.pans:
             bearings = bearings + direction
         place = self.place(body)
         lowest = self._lowest(body, bearings)
-        rays = math.floor(settings.height_deg / settings.resolution_deg[1]) + 1
-        flat, heights, sides = self._returns(place, bearings + body[5], lowest, resolution, rays)
+        stripes = []
+        for first in range(0, bearings.size, STRIPE):
+            some = slice(first, first + STRIPE)
+            stripes.append(self._returns(place, bearings[some] + body[5], lowest[some]))
+            yield
+        flat, heights, sides = self._each_cell_once(stripes)
+        yield
         kept = self.rng.random(flat.size) >= settings.dropout
         flat, heights, sides = flat[kept], heights[kept], sides[kept]
         if settings.noise > 0.0:
@@ -157,20 +187,26 @@ class RangeSensor:
         middle = -math.radians(settings.pitch_deg) - pitch * ahead + roll * left
         return np.asarray(middle - math.radians(settings.height_deg) / 2)
 
-    def _returns(
-        self, place: Point, bearings: Array, lowest: Array, resolution: float, rays: int
-    ) -> tuple[Index, Array, NDArray[np.bool_]]:
+    def _returns(self, place: Point, bearings: Array, lowest: Array) -> Returns:
+        """What the rays of some bearings meet."""
+        settings = self.settings
+        resolution = math.radians(settings.resolution_deg[1])
+        rays = math.floor(settings.height_deg / settings.resolution_deg[1]) + 1
+        flat, heights, bottomless = self._profiles(place, bearings)
+        fan = _Fan(self.distances, place[2], lowest[:, None], resolution, rays)
+        topped, came_in, sided, into = fan.hits(heights, bottomless, settings.range)
+        return Returns(flat[topped], flat[into], flat[sided], came_in[sided])
+
+    def _each_cell_once(self, stripes: list[Returns]) -> tuple[Index, Array, NDArray[np.bool_]]:
         """(flat cell index, height, only a side) of every cell seen, no cell twice, in a fixed
         order.
         """
-        flat, heights, bottomless = self._profiles(place, bearings)
-        fan = _Fan(self.distances, place[2], lowest[:, None], resolution, rays)
-        topped, came_in, sided, into = fan.hits(heights, bottomless, self.settings.range)
-        tops = np.unique(flat[topped])
-        holes = np.unique(flat[into])
-        side_cells, where = np.unique(flat[sided], return_inverse=True)
+        topped, into, sided, came_in = (np.concatenate(part) for part in zip(*stripes, strict=True))
+        tops = np.unique(topped)
+        holes = np.unique(into)
+        side_cells, where = np.unique(sided, return_inverse=True)
         least = np.full(side_cells.size, -np.inf)
-        np.maximum.at(least, where, came_in[sided])
+        np.maximum.at(least, where, came_in)
         only = ~np.isin(side_cells, tops, assume_unique=True)
         side_cells, least = side_cells[only], least[only]
         cells = np.concatenate([tops, holes, side_cells])

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from importlib import import_module
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,6 +50,7 @@ def prepare(
     Raises ``MachineError``, ``GroundError`` or ``ScenarioError`` with one clear line.
     """
     check_plant(scenario)
+    import_module("numpy.ma")  # what np.unique and np.median load when they are first called
     machine = machine or scenario.machine()
     gait = scenario.gait_for(machine)
     check_rigid_gait(scenario, machine, gait)
@@ -66,6 +68,8 @@ def prepare(
         machine.foot_radius,
         edge=ground.edge,
     )
+    if scenario.sensing == "known":
+        belief.work_out()
     stance = stance_at_start(scenario, machine, gait, ground.height_at)
     return World(scenario, machine, gait, ground, belief, forbidden, stance, course)
 

@@ -34,6 +34,16 @@ def within(inner: Window, outer: Window) -> Window:
     return rows, columns
 
 
+def joined(one: Window | None, other: Window) -> Window:
+    """The least rectangle that holds both."""
+    if one is None:
+        return other
+    rows, columns = (
+        slice(min(a.start, b.start), max(a.stop, b.stop)) for a, b in zip(one, other, strict=True)
+    )
+    return rows, columns
+
+
 class HeightGrid:
     """Heights on square cells: ``heights`` (ny, nx) m, ``cell`` m, ``origin`` x, y m.
 
@@ -140,3 +150,17 @@ def spread_max(values: NDArray[np.float64], reach: int) -> NDArray[np.float64]:
             np.maximum(out[behind], source[ahead], out=out[behind])
             np.maximum(out[ahead], source[behind], out=out[ahead])
     return out
+
+
+def crests_of(heights: NDArray[np.float64], reach: int) -> NDArray[np.float64]:
+    """Highest ground within ``reach`` cells of each cell; −inf where there is none."""
+    return spread_max(solid_heights(heights), reach)
+
+
+def renew_crests(
+    crests: NDArray[np.float64], heights: NDArray[np.float64], changed: Window, reach: int
+) -> None:
+    """Bring the crests of ``heights`` up to date, in place, after one rectangle has changed."""
+    inner = grown(changed, reach, heights.shape)
+    outer = grown(inner, reach, heights.shape)
+    crests[inner] = crests_of(heights[outer], reach)[within(inner, outer)]

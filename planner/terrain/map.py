@@ -16,9 +16,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..robot.model import Machine
-from .grid import HeightGrid, Window, grown, solid_heights, spread_max, within
+from .grid import HeightGrid, crests_of, renew_crests
 from .traversability import classify
 
+# what is worked out of the heights alone: a map of the same heights need not do it again
+OF_HEIGHTS = {"crests", "_span", "holes_bytes"}
 EDGE = 0.01  # m a foothold keeps from the bottomless. Less: see a point of a foot slip off
 
 
@@ -126,26 +128,35 @@ class TerrainMap(HeightGrid):
         return True
 
     @cached_property
+    def _span(self) -> tuple[float, float]:
+        """Lowest and highest ground on the map, m; the lowest is above the highest where there is
+        none.
+        """
+        low = np.fmin.reduce(self.heights, axis=None, initial=math.inf)
+        high = np.fmax.reduce(self.heights, axis=None, initial=-math.inf)
+        return float(low), float(high)
+
+    @cached_property
     def highest(self) -> float:
         """Highest ground on the map, m; 0 when there is none."""
-        finite = self.heights[np.isfinite(self.heights)]
-        return float(finite.max()) if finite.size else 0.0
+        _, high = self._span
+        return high if math.isfinite(high) else 0.0
 
     @cached_property
     def is_level(self) -> bool:
         """True when all ground there is has one height: nothing to clear, nothing to climb."""
-        finite = self.heights[np.isfinite(self.heights)]
-        return bool(finite.size == 0 or finite.max() == finite.min())
+        low, high = self._span
+        return low >= high
 
     @cached_property
-    def _crests(self) -> NDArray[np.float64]:
+    def crests(self) -> NDArray[np.float64]:
         """Highest ground within a foot radius of each cell; −inf over holes."""
-        return spread_max(solid_heights(self.heights), math.ceil(self.foot_radius / self.cell))
+        return crests_of(self.heights, math.ceil(self.foot_radius / self.cell))
 
     @cached_property
     def crest_view(self) -> memoryview:
         """Highest ground within a foot radius of each cell, row by row; −inf over holes."""
-        return self._crests.ravel().data
+        return self.crests.ravel().data
 
     def allows(self, x: float, y: float) -> bool:
         """True when a foot may land at (x, y)."""
@@ -200,7 +211,11 @@ class TerrainMap(HeightGrid):
         for row, column in cells:
             self.need_cell(row, column)
             forbidden[row, column] = True
-        return replace(self, forbidden=forbidden)
+        other = replace(self, forbidden=forbidden)
+        other.__dict__.update(
+            {name: self.__dict__[name] for name in OF_HEIGHTS & vars(self).keys()}
+        )
+        return other
 
     def told(
         self, prohibited: Iterable[tuple[int, int]], heights: Mapping[tuple[int, int], float]
@@ -212,40 +227,38 @@ class TerrainMap(HeightGrid):
         if not heights:
             return believed
         new = self.heights.copy()
+        crests = self.crests.copy()
+        reach = math.ceil(self.foot_radius / self.cell)
         for (row, column), height in heights.items():
             self.need_cell(row, column)
             if math.isnan(height) or not new[row, column] >= height:
                 new[row, column] = height
-        return replace(believed, heights=new)
+                cell = slice(row, row + 1), slice(column, column + 1)
+                renew_crests(crests, new, cell, reach)
+        told = replace(believed, heights=new)
+        told.__dict__["crests"] = crests
+        return told
 
-    def patched(
+    def replaced(
         self,
-        window: Window,
         heights: NDArray[np.float64],
         forbidden: NDArray[np.bool_],
         known: NDArray[np.bool_],
+        crests: NDArray[np.float64],
+        span: tuple[float, float],
     ) -> TerrainMap:
-        """A new map in which one rectangle of cells is replaced; what was worked out about the rest
-        is kept.
+        """The same map with other cells, whose crests, and lowest and highest ground, m, are known
+        already.
         """
-        new_heights = self.heights.copy()
-        new_heights[window] = heights
-        new_forbidden = self.forbidden.copy()
-        new_forbidden[window] = forbidden
-        known_before = np.ones(self.heights.shape, dtype=bool) if self.known is None else self.known
-        new_known = known_before.copy()
-        new_known[window] = known
-        patched = replace(self, heights=new_heights, forbidden=new_forbidden, known=new_known)
-        if "_crests" in self.__dict__:
-            patched.__dict__["_crests"] = self._crests_anew(window, new_heights)
-        return patched
+        other = replace(self, heights=heights, forbidden=forbidden, known=known)
+        other.__dict__["crests"] = crests
+        other.__dict__["_span"] = span
+        return other
 
-    def _crests_anew(self, window: Window, heights: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The crests after the heights in one rectangle of cells have changed."""
-        reach = math.ceil(self.foot_radius / self.cell)
-        outer = grown(window, 2 * reach, heights.shape)
-        inner = grown(window, reach, heights.shape)
-        crests = self._crests.copy()
-        spread = spread_max(solid_heights(heights[outer]), reach)
-        crests[inner] = spread[within(inner, outer)]
-        return crests
+    def work_out(self) -> TerrainMap:
+        """This map, with all that planning asks of it worked out now: otherwise the first tick that
+        asks would be late.
+        """
+        for name in ("forbidden_bytes", "holes_bytes", "crest_view", "highest", "is_level"):
+            getattr(self, name)
+        return self

@@ -2,8 +2,8 @@
 been learnt the hard way.
 
 The planners know only ``TerrainMap``; ``ElevationMapper`` is where one comes from when the truth is
-not given. It is changed in place by the console alone and publishes a new frozen map when told to,
-working out only the patch that has changed.
+not given. It is changed in place by the console alone and publishes a new frozen map when told to:
+what feet have shown at once, what has been seen as far as ``working_map`` has come with it.
 """
 
 from __future__ import annotations
@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 from ..geometry.transforms import left_fold_sum
 from ..robot.model import Machine
 from ..types import Array, Point
-from .grid import Window, grown, within
+from .grid import Window, grown, joined
 from .map import EDGE, TerrainMap
-from .traversability import RISE_WINDOW, Kind, kinds, sole_cells
+from .traversability import sole_cells
+from .working_map import Evidence, Prior, WorkingMap
 
 Index = NDArray[np.intp]
 
@@ -28,6 +29,7 @@ JUMP = 0.05  # m; a look this far off the mean is no noise: the newest is believ
 REPLAN_THRESHOLD = 0.004  # m; heights that moved less are not worth a new map (and a new plan)
 LEVEL_REPLAN_THRESHOLD = 0.01  # m; the same for the supposed level of unknown ground
 AROUND = 1.5  # m about the feet in which unknown ground is supposed anew
+SAME = 1e-6  # m; feet this near to where they were have not moved
 TREATMENTS = ("flat", "forbidden")
 
 
@@ -56,19 +58,15 @@ class ElevationMapper:
         self.machine = machine
         self.unknown = unknown
         self.final = final  # only the cell under the foot tip counts
-        self.level = level  # m, where unknown ground is supposed to be
-        self.heights: Array = np.full(shape, math.nan)  # NaN: unknown, or known to be a hole
-        self.known = np.zeros(shape, dtype=bool)
-        self.kinds = np.zeros(shape, dtype=np.uint8)
-        # prohibited by experience: stays so whatever the eye says
-        self.learnt = np.zeros(shape, dtype=bool)
+        evidence = Evidence.none(shape)
+        self.heights = evidence.heights
+        self.known = evidence.known
+        self.learnt = evidence.learnt
         self._looks = np.zeros(shape, dtype=np.uint8)
-        self._changed: list[int] = []  # first row, last row, first column, last column
-        self._feet: tuple[Point, ...] = ()  # where unknown ground has more than one supposed level
         # the one level unknown ground was last given; NaN while there are several
         self._level_given = level
         refused = np.full(shape, unknown == "forbidden")
-        self.map = TerrainMap(
+        blank = TerrainMap(
             np.full(shape, level),
             refused,
             cell,
@@ -77,6 +75,15 @@ class ElevationMapper:
             self.known.copy(),
             edge,
         )
+        self._working = WorkingMap(evidence, blank, machine, final, Prior(level))
+        self._patches: list[Window] = []  # small, to be renewed before anything is published
+        # around what feet have shown, where unknown ground is supposed anew
+        self._supposed_anew: Window | None = None
+
+    @property
+    def map(self) -> TerrainMap:
+        """The map that was last published."""
+        return self._working.map
 
     # what comes in
 
@@ -104,7 +111,8 @@ class ElevationMapper:
         count = np.where(
             side, np.where(idle, looks, 0), np.where(agrees, np.minimum(looks + 1, LOOKS_MAX), 1)
         )
-        self._write(rows, columns, new, count.astype(np.uint8))
+        news = self._write(rows, columns, new, count.astype(np.uint8))
+        self._working.mark(rows[news], columns[news])
 
     def touch(self, points: Iterable[Point]) -> None:
         """Feet stand here: the cells under the soles have this height, for certain."""
@@ -125,12 +133,9 @@ class ElevationMapper:
             wanted = (rows == at[0]) & (columns == at[1]) | ~self.known[rows, columns]
             rows = rows[wanted]
             columns = columns[wanted]
-            self._write(
-                rows,
-                columns,
-                np.full(rows.shape, z),
-                np.full(rows.shape, LOOKS_MAX, dtype=np.uint8),
-            )
+            looks = np.full(rows.shape, LOOKS_MAX, dtype=np.uint8)
+            news = self._write(rows, columns, np.full(rows.shape, z), looks)
+            self._patch(rows[news].tolist(), columns[news].tolist())
 
     def learn(self, cells: Iterable[tuple[int, int]]) -> None:
         """No foot may land here again: touch has shown it."""
@@ -143,6 +148,7 @@ class ElevationMapper:
         at = np.array(list(heights), dtype=np.intp)
         values = np.array(list(heights.values()), dtype=np.float64)
         self.see(at[:, 0], at[:, 1], values, ~np.isnan(values))
+        self._patch(at[:, 0].tolist(), at[:, 1].tolist())
 
     def forget(self, cells: Iterable[tuple[int, int]]) -> None:
         """Take back what was learnt, when the operator says so."""
@@ -152,23 +158,24 @@ class ElevationMapper:
         """Unknown ground is as high as the nearest foot stands (TITAN III took the height of P_u, H
         §10.3).
         """
+        if _are_same(self._working.prior.feet, feet):
+            return
         heights = [foot[2] for foot in feet]
         level = left_fold_sum(heights) / len(heights)
         uneven = max(heights) - min(heights) > LEVEL_REPLAN_THRESHOLD
         if not uneven and abs(level - self._level_given) <= LEVEL_REPLAN_THRESHOLD:
-            self._feet = ()
+            self._working.prior = Prior(self._working.prior.level)
             return
-        self.level = level
         self._level_given = math.nan if uneven else level
-        self._feet = tuple(feet) if uneven else ()
+        self._working.prior = Prior(level, tuple(feet) if uneven else ())
         if self.known.all():
             return
         xs = [foot[0] for foot in feet]
         ys = [foot[1] for foot in feet]
-        rows, columns = self.map.window(
+        around = self.map.window(
             min(xs) - AROUND, max(xs) + AROUND, min(ys) - AROUND, max(ys) + AROUND
         )
-        self._note(rows.start, rows.stop - 1, columns.start, columns.stop - 1)
+        self._supposed_anew = joined(self._supposed_anew, around)
 
     def observe(
         self,
@@ -183,53 +190,28 @@ class ElevationMapper:
 
     # what goes out
 
+    def work_on(self) -> None:
+        """Bring one part of what has been seen into the map: the work of one tick."""
+        self._working.work_on()
+
     def publish(self) -> TerrainMap:
         """The newest map; the same object as before when there is no news."""
-        if not self._changed:
-            return self.map
-        r0, r1, c0, c1 = self._changed
-        self._changed = []
-        reach = math.ceil(max(RISE_WINDOW / 2, self.machine.foot_radius) / self.map.cell) + 1
-        shape = self.heights.shape
-        inner = grown((slice(r0, r1 + 1), slice(c0, c1 + 1)), reach, shape)
-        outer = grown(inner, reach, shape)
-        found = kinds(
-            self.heights[outer], self.known[outer], self.map.cell, self.machine, self.final
-        )[within(inner, outer)]
-        self.kinds[inner] = found
-        known = self.known[inner]
-        forbidden = (found != Kind.O) | self.learnt[inner]
-        if self.unknown == "forbidden":
-            forbidden |= ~known
-        self.map = self.map.patched(inner, self._filled(inner, outer), forbidden, known)
-        return self.map
+        while self._working.work_on():
+            pass
+        return self.publish_worked()
 
-    def _filled(self, inner: Window, outer: Window) -> Array:
-        """Heights with the gaps filled: by the known ground around, else the level of the feet."""
-        heights = self.heights[outer]
-        known = self.known[outer]
-        if known.all():
-            return self.heights[inner]
-        solid = known & ~np.isnan(heights)
-        total = np.where(solid, heights, 0.0)
-        count = solid.astype(np.float64)
-        for axis in (0, 1):
-            total = _sum_of_five(total, axis)
-            count = _sum_of_five(count, axis)
-        guess = np.where(count > 0.0, total / np.maximum(count, 1.0), self._level_in(outer))
-        return np.asarray(np.where(known, heights, guess)[within(inner, outer)])
-
-    def _level_in(self, window: Window) -> Array | float:
-        """The supposed level: one for all, or that of the nearest foot."""
-        if not self._feet:
-            return self.level
-        ox, oy = self.map.origin
-        x = ox + (np.arange(window[1].start, window[1].stop) + 0.5) * self.map.cell
-        y = oy + (np.arange(window[0].start, window[0].stop) + 0.5) * self.map.cell
-        far = np.array(
-            [np.add.outer((y - foot[1]) ** 2, (x - foot[0]) ** 2) for foot in self._feet]
-        )
-        return np.asarray(np.array([foot[2] for foot in self._feet])[far.argmin(axis=0)])
+    def publish_worked(self) -> TerrainMap:
+        """The map with what feet have shown, and with what has been seen as far as it has been
+        worked on.
+        """
+        for patch in self._patches:
+            self._working.renew(patch)
+        self._patches = []
+        if self._supposed_anew is not None:
+            reach = self._working.reach
+            self._working.refill(grown(self._supposed_anew, reach, self.heights.shape))
+            self._supposed_anew = None
+        return self._working.publish()
 
     # bookkeeping
 
@@ -239,8 +221,9 @@ class ElevationMapper:
         columns: NDArray[np.intp],
         heights: Array,
         looks: NDArray[np.uint8],
-    ) -> None:
-        before = self.map.heights[rows, columns]
+    ) -> NDArray[np.bool_]:
+        """Which of these cells are news: unknown before, or of another height."""
+        before = self._working.filled[rows, columns]
         was_known = self.known[rows, columns]
         same = (np.abs(heights - before) <= REPLAN_THRESHOLD) | (
             np.isnan(heights) & np.isnan(before)
@@ -248,34 +231,26 @@ class ElevationMapper:
         self.heights[rows, columns] = heights
         self.known[rows, columns] = True
         self._looks[rows, columns] = looks
-        news = ~(was_known & same)
-        if news.any():
-            rows = rows[news]
-            columns = columns[news]
-            self._note(int(rows.min()), int(rows.max()), int(columns.min()), int(columns.max()))
+        return np.asarray(~(was_known & same))
 
     def _mark(self, cells: Iterable[tuple[int, int]], learnt: bool) -> None:
+        changed = []
         for row, column in cells:
             self.map.need_cell(row, column)
             if self.learnt[row, column] != learnt:
                 self.learnt[row, column] = learnt
-                self._note(row, row, column, column)
+                changed.append((row, column))
+        self._patch([row for row, _ in changed], [column for _, column in changed])
 
-    def _note(self, r0: int, r1: int, c0: int, c1: int) -> None:
-        if self._changed:
-            a, b, c, d = self._changed
-            r0 = min(a, r0)
-            r1 = max(b, r1)
-            c0 = min(c, c0)
-            c1 = max(d, c1)
-        self._changed = [r0, r1, c0, c1]
+    def _patch(self, rows: list[int], columns: list[int]) -> None:
+        """These few cells, side by side, have changed."""
+        if rows:
+            changed = slice(min(rows), max(rows) + 1), slice(min(columns), max(columns) + 1)
+            self._patches.append(grown(changed, self._working.reach, self.heights.shape))
+            self._supposed_anew = joined(self._supposed_anew, changed)
 
 
-def _sum_of_five(values: Array, axis: int) -> Array:
-    """Each cell with its two neighbours on either side along one axis."""
-    lines = np.moveaxis(values, axis, 0)
-    total = lines.copy()
-    for shift in (1, 2):
-        total[shift:] += lines[:-shift]
-        total[:-shift] += lines[shift:]
-    return np.asarray(np.moveaxis(total, 0, axis))
+def _are_same(one: Sequence[Point], other: Sequence[Point]) -> bool:
+    return len(one) == len(other) and all(
+        math.dist(a, b) <= SAME for a, b in zip(one, other, strict=True)
+    )

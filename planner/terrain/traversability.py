@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..robot.model import Machine
-from .grid import grown, spread_max, within
+from .grid import Window, grown, spread_max, within
 
 SLOPE_MAX = math.radians(35.0)  # steeper ground is H: see feet slide off (titan3 default)
 RELIEF_MAX = 0.03  # m under one foot; more is H: see feet land on edges
@@ -43,23 +43,72 @@ def kinds(
     Where all is known this is ``classify``, told by kind. ``final``: only the cell under the foot
     tip counts, H are the holes.
     """
-    holes = known & np.isnan(heights)
+    rows, columns = heights.shape
+    return kinds_within((slice(0, rows), slice(0, columns)), heights, known, cell, machine, final)
+
+
+def kinds_within(
+    window: Window,
+    heights: NDArray[np.float64],
+    known: NDArray[np.bool_],
+    cell: float,
+    machine: Machine,
+    final: bool = False,
+) -> NDArray[np.uint8]:
+    """``kinds`` of the cells in one rectangle of a map; only its surroundings are read."""
+    here = known[window]
+    holes = here & np.isnan(heights[window])
     if final:
         return holes.astype(np.uint8)
-    solid = known & ~holes
+    solid = here & ~holes
+    low = holes | (solid & _is_rough_or_steep(window, heights, known, cell, machine))
+    tall = solid & _is_tall(window, heights, known, cell)
+    return np.asarray(low * np.uint8(Kind.H) + tall * np.uint8(Kind.P), dtype=np.uint8)
+
+
+def _is_rough_or_steep(
+    window: Window,
+    heights: NDArray[np.float64],
+    known: NDArray[np.bool_],
+    cell: float,
+    machine: Machine,
+) -> NDArray[np.bool_]:
+    """Where a foot would find too much relief, the rim of a hole or too steep a slope.
+
+    What little relief alone rules out is not worked out.
+    """
     reach = sole_cells(machine, cell)
-    high = spread_max(np.where(solid, heights, -np.inf), reach)
-    low = -spread_max(np.where(solid, -heights, -np.inf), reach)
-    rough = (high - low > _relief_allowed(np.where(solid, heights, np.nan), reach)) | (
-        spread_max(holes.astype(np.float64), reach) > 0.0
-    )
-    steep = _slope(heights, solid, cell) > math.tan(SLOPE_MAX)
+    near = grown(window, max(reach, 1), heights.shape)
+    inner = within(window, near)
+    ground = heights[near]
+    holes = known[near] & np.isnan(ground)
+    solid = known[near] & ~holes
+    high = spread_max(np.where(solid, ground, -np.inf), max(reach, 1))
+    low = -spread_max(np.where(solid, -ground, -np.inf), max(reach, 1))
+    relief = float((high - low).max(initial=0.0))  # m, the most there is under any foot
+    found = np.zeros(ground.shape, dtype=bool)
+    if relief > RELIEF_MAX and reach:
+        found |= high - low > _relief_allowed(np.where(solid, ground, np.nan), reach)
+    if reach and holes.any():
+        found |= spread_max(holes.astype(np.float64), reach) > 0.0
+    if math.sqrt(2.0) * relief > math.tan(SLOPE_MAX) * cell:
+        found |= _slope(ground, solid, cell) > math.tan(SLOPE_MAX)
+    return np.asarray(found[inner])
+
+
+def _is_tall(
+    window: Window, heights: NDArray[np.float64], known: NDArray[np.bool_], cell: float
+) -> NDArray[np.bool_]:
+    """Where the ground stands more than ``RISE_MAX`` above the mean of what is known around it."""
     around = max(1, round(RISE_WINDOW / cell / 2))
-    tall = heights - _mean_around(np.where(solid, heights, np.nan), around) > RISE_MAX
-    low_kinds = holes | (solid & (rough | steep))
-    return np.asarray(
-        low_kinds * np.uint8(Kind.H) + (solid & tall) * np.uint8(Kind.P), dtype=np.uint8
-    )
+    wide = grown(window, around, heights.shape)
+    ground = np.where(known[wide], heights[wide], np.nan)
+    low = np.fmin.reduce(ground, axis=None, initial=np.inf)
+    high = np.fmax.reduce(ground, axis=None, initial=-np.inf)
+    here = heights[window]
+    if not high - low > RISE_MAX:  # nothing can be that far above any mean
+        return np.zeros(here.shape, dtype=bool)
+    return np.asarray(here - _mean_around(ground, around)[within(window, wide)] > RISE_MAX)
 
 
 def _relief_allowed(heights: NDArray[np.float64], reach: int) -> NDArray[np.float64]:

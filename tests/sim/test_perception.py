@@ -106,3 +106,32 @@ def test_walking_with_an_eye_the_map_grows() -> None:
     simulation.drive(speed=0.1)
     simulation.run(seconds=12.0)
     assert simulation.perception.belief.known.sum() > 1.2 * before
+
+
+def test_each_scan_is_over_before_the_next_begins_however_often_it_looks() -> None:
+    for every in (1, 4, 15):
+        simulation = Simulation(
+            load_scenario("flat", ("sensing=eye", f"eye={{every={every}}}", "expect={}"))
+        )
+        perception = simulation.perception
+        simulation.drive(speed=0.1)
+        for tick in range(3 * every):
+            simulation.step()
+            if tick % every == every - 1:
+                assert perception.scan_is_over
+        assert simulation.tick_count == 3 * every
+
+
+def test_before_the_first_tick_all_is_worked_out_that_planning_asks_of_the_map() -> None:
+    for sensing in ("known", "eye", "none"):
+        belief = perception_of(f"sensing={sensing}", name="rough").belief
+        worked_out = {"forbidden_bytes", "holes_bytes", "crests", "crest_view", "is_level"}
+        assert worked_out <= set(belief.__dict__)
+
+
+def test_standing_where_it_was_set_down_it_has_no_news_in_its_first_tick() -> None:
+    for name in ("rough", "dem"):
+        simulation = Simulation(load_scenario(name, ("sensing=none", "expect={}")))
+        before = simulation.perception.belief
+        simulation.step()
+        assert simulation.perception.belief is before

@@ -180,3 +180,25 @@ def test_the_edge_of_the_map_is_not_a_hole():
 def test_settings_that_cannot_be_are_refused(wrong):
     with pytest.raises(ValidationError):
         EyeSettings(**wrong)
+
+
+def test_a_scan_spread_over_ticks_finds_what_one_at_once_finds():
+    rng = np.random.default_rng(4)
+    heights = level() + 0.1 * rng.standard_normal(level().shape)
+    heights[at(1.0) : at(1.4), at(1.0) : at(1.4)] = np.nan
+    settings = {"noise": 0.003, "dropout": 0.02}
+    whole, spread = (eye_over(heights, seed=7, **settings) for _ in range(2))
+    for k in range(3):
+        body = (0.3 * k, 0.0, 0.85, 0.02, 0.01, 0.4 * k)
+        job = spread.scanning(body, 0.2)
+        pauses = 0
+        while True:
+            try:
+                next(job)
+            except StopIteration as done:
+                found = done.value
+                break
+            pauses += 1
+        assert pauses == spread.pauses > 3
+        for one, other in zip(whole.scan(body, 0.2), found, strict=True):
+            assert np.array_equal(one, other, equal_nan=True)

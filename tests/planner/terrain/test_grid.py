@@ -8,6 +8,7 @@ import pytest
 from walking_console.planner.terrain.grid import (
     HeightGrid,
     grown,
+    joined,
     solid_heights,
     spread_max,
     within,
@@ -77,3 +78,9 @@ def test_the_largest_value_spreads_over_a_square():
 def test_holes_do_not_count_as_ground():
     heights = np.array([[np.nan, 1.0]])
     assert solid_heights(heights).tolist() == [[-math.inf, 1.0]]
+
+
+def test_two_rectangles_are_joined_by_the_least_that_holds_both():
+    one, other = (slice(3, 8), slice(10, 12)), (slice(5, 20), slice(2, 4))
+    assert joined(one, other) == joined(other, one) == (slice(3, 20), slice(2, 12))
+    assert joined(None, one) == one

@@ -81,18 +81,34 @@ def test_heights_and_forbidden_cells_must_have_one_shape():
         TerrainMap(np.zeros((3, 4)), np.zeros((4, 3), dtype=bool), 0.05, (0.0, 0.0))
 
 
-def test_a_patched_map_has_the_crests_of_one_made_anew():
-    rng = np.random.default_rng(2)
+def test_forbidding_cells_works_out_nothing_of_the_heights_again():
+    ground = level().work_out()
+    other = ground.forbid([(3, 4)])
+    assert other.crests is ground.crests and other.holes_bytes is ground.holes_bytes
+    assert other.forbidden_bytes != ground.forbidden_bytes
+
+
+def test_a_map_that_was_told_heights_has_the_crests_of_one_made_anew():
     ground = level()
-    assert ground.crest_between(0.0, 0.0, 1.0, 0.1) == 0.0  # crests are worked out
-    window = slice(10, 20), slice(25, 40)
-    heights = rng.uniform(0.0, 0.3, (10, 15))
-    heights[3, 4] = np.nan
-    known = np.ones((10, 15), dtype=bool)
-    patched = ground.patched(window, heights, np.isnan(heights), known)
-    anew = TerrainMap(patched.heights, patched.forbidden, 0.05, (-1.0, -0.5))
-    assert list(patched.crest_view) == list(anew.crest_view)
-    assert patched.forbidden.sum() == 1
+    told = ground.told([(12, 30)], {(12, 30): 0.3, (13, 31): math.nan, (0, 0): -0.1})
+    anew = TerrainMap(told.heights, told.forbidden, 0.05, (-1.0, -0.5))
+    assert list(told.crest_view) == list(anew.crest_view)
+    assert told.heights[12, 30] == 0.3 and told.heights[0, 0] == 0.0
+    assert told.forbidden.sum() == 1
+
+
+def test_the_highest_ground_of_a_map_is_found_whether_it_has_holes_or_nothing_else():
+    heights = np.full((4, 5), math.nan)
+    nothing = TerrainMap(heights, np.ones((4, 5), dtype=bool), 0.05, (0.0, 0.0))
+    assert nothing.highest == 0.0 and nothing.is_level
+    heights = heights.copy()
+    heights[1, 2] = -0.4
+    one = TerrainMap(heights, np.ones((4, 5), dtype=bool), 0.05, (0.0, 0.0))
+    assert one.highest == -0.4 and one.is_level
+    heights = heights.copy()
+    heights[3, 3] = -0.5
+    two = TerrainMap(heights, np.ones((4, 5), dtype=bool), 0.05, (0.0, 0.0))
+    assert two.highest == -0.4 and not two.is_level
 
 
 def test_a_map_of_measured_heights_closes_what_this_machine_cannot_step_on():

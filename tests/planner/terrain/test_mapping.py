@@ -154,6 +154,32 @@ def test_unknown_ground_is_as_high_as_the_nearest_foot():
     assert belief.publish().height_at(0.6, -0.5) == pytest.approx(0.15)
 
 
+def test_what_is_touched_felt_and_learnt_is_in_the_map_before_what_has_been_seen():
+    belief = blank()
+    rows, columns, values = everything(np.full((80, 120), 0.2))
+    far = columns > 60
+    belief.see(rows[far], columns[far], values[far])
+    belief.touch([(-0.5, -0.5, 0.1)])
+    belief.feel({(10, 10): 0.3, (11, 10): math.nan})
+    belief.learn([(30, 30)])
+    ground = belief.publish_worked()
+    assert ground.height_at(-0.5, -0.5) == 0.1 and ground.heights[10, 10] == 0.3
+    assert ground.forbidden[11, 10] and ground.forbidden[30, 30]
+    assert not ground.known[:, 70:].any()
+    assert belief.publish().known[:, 70:].all()
+
+
+def test_feet_that_have_not_moved_are_no_news():
+    belief = blank()
+    feet = [(0.4, 0.4, 0.15), (-0.4, 0.4, 0.0), (-0.4, -0.4, 0.0), (0.4, -0.4, 0.0)]
+    belief.set_prior(feet)
+    before = belief.publish()
+    belief.set_prior([(x + 1e-9, y, z) for x, y, z in feet])
+    assert belief.publish() is before
+    belief.set_prior([(x + 0.01, y, z) for x, y, z in feet])
+    assert belief.publish() is not before
+
+
 def test_level_feet_on_supposed_level_are_no_news():
     belief = blank()
     before = belief.publish()
