@@ -80,10 +80,11 @@ class Tracking:
 class Planning:
     """How the supervisor spreads planning over ticks."""
 
-    # slices a tick while a step runs. More: the tick takes longer than it need
-    slices: int = 4
-    # slices a tick while Level C waits for the step (F3). More: see ticks come late
-    slices_wanted: int = 16
+    # postures looked at in a tick while a step runs, or what is as dear. More: the tick takes
+    # longer than it need
+    work: int = 120
+    # the same while Level C waits for the step (F3). More: see ticks come late
+    work_wanted: int = 240
     # ticks Level C waits on standing feet before it takes the best step found so far. More: see it
     # hesitate after the stick is pushed
     wait_max: int = 2

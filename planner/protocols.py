@@ -25,8 +25,11 @@ Answer = TypeVar("Answer")
 Asked = ParamSpec("Asked")
 GroundT = TypeVar("GroundT", contravariant=True)
 
+# the weight of the work since a job last paused, in postures looked at; None for a usual slice
+Weight = int | None
 # Pauses after each slice of work; send(True): the best step found so far is wanted now.
-PlanningJob = Generator[None, bool | None, StepPlan | Blocked]
+SlicedJob = Generator[Weight, bool | None, Answer]
+PlanningJob = SlicedJob[StepPlan | Blocked]
 PlantState = Literal["standing", "tipping", "fallen"]
 PlanFunction = Callable[[Stance, Command, TerrainMap], PlanningJob]
 BodyAttitude = Literal["level", "ground"]  # of the body: level, or following the ground
@@ -121,9 +124,10 @@ class Planner(Protocol):
     def plan(self, stance: Stance, command: Command, terrain: TerrainMap) -> PlanningJob:
         """Begin to plan the step from ``stance``, a step-switching point N_k.
 
-        The job pauses after each slice of work and returns a ``StepPlan``, or ``Blocked`` when
-        there is no step. It never raises for ground it cannot cross, and the same three arguments
-        after the same history give the same step, bit for bit.
+        The job pauses after each slice of work, yields what that weighed where it is known, and
+        returns a ``StepPlan``, or ``Blocked`` when there is no step. It never raises for ground it
+        cannot cross, and the same three arguments after the same history give the same step, bit
+        for bit.
         """
         return self.plan_step(stance, command, terrain)
         yield
@@ -266,7 +270,7 @@ def checked_attitude(attitude: str) -> BodyAttitude:
     raise PlannerError(f"unknown attitude {attitude!r:.80}; there are: {', '.join(ATTITUDES)}")
 
 
-def run_to_completion(job: Generator[None, Any, Answer]) -> Answer:
+def run_to_completion(job: Generator[Any, Any, Answer]) -> Answer:
     """What a job comes to when it is run without a pause."""
     while True:
         try:

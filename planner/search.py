@@ -2,17 +2,19 @@
 that a walk can be repeated.
 
 This file knows neither legs nor ground: nodes and candidates are the planner's own. Both searches
-are generators that pause after each slice of work; ``send(True)`` says that the answer is wanted
-now, and they finish with the best found so far.
+are generators that pause after each slice of work and yield what it weighed; ``send(True)`` says
+that the answer is wanted now, and they finish with the best found so far.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, Generic, NamedTuple, TypeVar
 
-from .protocols import Answer
+from .protocols import Answer, SlicedJob
+
+ENOUGH = 8  # postures looked at between two pauses. More: see ticks come late
 
 S = TypeVar("S")
 C = TypeVar("C")
@@ -53,25 +55,49 @@ class Found(NamedTuple, Generic[S, C]):
     finished: bool
 
 
-Search = Generator[None, bool | None, Found[S, C]]
+Search = SlicedJob[Found[S, C]]
+
+
+class Work:
+    """What has been asked since a search last paused: one for each posture looked at, and what
+    whoever is asked adds for what is as dear.
+    """
+
+    __slots__ = ("asked",)
+
+    def __init__(self) -> None:
+        self.asked = 0
+
+    def taken(self) -> int:
+        """The weight so far; what comes counts from 0 again."""
+        asked, self.asked = self.asked, 0
+        return asked
 
 
 def beam(
-    start: S, options: Callable[[S, int], Iterable[Option[S, C]]], depth: int, width: int
+    start: S,
+    options: Callable[[S, int], Iterable[Option[S, C]]],
+    depth: int,
+    width: int,
+    work: Work | None = None,
 ) -> Search[S, C]:
     """Look ``depth`` steps ahead, going on from the ``width`` best of each depth; where none goes
     on, those reached before.
 
     Behind the ways that came farthest stand all first steps, by their heuristic. Pauses after each
-    node looked at.
+    node looked at, and within one that takes long.
     """
-    found = [
-        Branch(candidate, node, gain, gain + heuristic, 1)
-        for candidate, node, gain, heuristic in options(start, 0)
-    ]
+    work = work or Work()
+    wanted_now: bool | None = False
+    found: list[Branch[S, C]] = []
+    for candidate, node, gain, heuristic in options(start, 0):
+        found.append(Branch(candidate, node, gain, gain + heuristic, 1))
+        work.asked += 1
+        if work.asked >= ENOUGH:
+            wanted_now = (yield work.taken()) or wanted_now
     begun = ranked(found)
     level = begun[:width]
-    wanted_now = yield
+    wanted_now = (yield work.taken()) or wanted_now
     for depth_now in range(1, depth):
         if wanted_now and level:
             break
@@ -80,7 +106,10 @@ def beam(
             for _, node, gain, heuristic in options(branch.node, depth_now):
                 gain += branch.gain
                 found.append(Branch(branch.first, node, gain, gain + heuristic, depth_now + 1))
-            wanted_now = (yield) or wanted_now
+                work.asked += 1
+                if work.asked >= ENOUGH:
+                    wanted_now = (yield work.taken()) or wanted_now
+            wanted_now = (yield work.taken()) or wanted_now
             if wanted_now:
                 break
         if wanted_now or not found:
@@ -94,11 +123,15 @@ def rollouts(
     policy: Callable[[S], tuple[S, float] | None],
     steps: int,
     begun: tuple[C, float] | None = None,
+    work: Work | None = None,
 ) -> Search[S, C]:
-    """Take each option, then follow the policy for ``steps`` steps. Pauses after each option.
+    """Take each option, then follow the policy for ``steps`` steps. Pauses after each option, and
+    on the way where it takes long.
 
     ``begun`` is a step taken before, with its gain: it then is the first of all of them.
     """
+    work = work or Work()
+    wanted_now: bool | None = False
     found: list[Branch[S, C]] = []
     for option in options:
         node = option.node
@@ -106,6 +139,9 @@ def rollouts(
         gain = gained + option.gain
         taken = 1 if begun is None else 2
         for _ in range(steps):
+            work.asked += 1
+            if work.asked >= ENOUGH:
+                wanted_now = (yield work.taken()) or wanted_now
             ahead = policy(node)
             if ahead is None:
                 break
@@ -113,7 +149,8 @@ def rollouts(
             gain += more
             taken += 1
         found.append(Branch(first, node, gain, gain + option.heuristic, taken))
-        if (yield):
+        wanted_now = (yield work.taken()) or wanted_now
+        if wanted_now:
             return Found(ranked(found), False)
     return Found(ranked(found), True)
 
@@ -143,12 +180,12 @@ def _score(branch: Branch[Any, Any]) -> float:
     return branch.score
 
 
-def uninterruptible(job: Generator[None, Any, Answer]) -> Generator[None, bool | None, Answer]:
+def uninterruptible(job: SlicedJob[Answer]) -> SlicedJob[Answer]:
     """A job that goes on slice by slice to its end, even when the answer is wanted now."""
     while True:
         try:
-            next(job)
+            weight = next(job)
         except StopIteration as done:
             answer: Answer = done.value
             return answer
-        yield
+        yield weight

@@ -2,7 +2,8 @@
 ready.
 
 While step k is walked, step k+1 is planned from the stance expected at N_{k+1} (H §4.4), a few
-slices a tick. Flags as in H §9.3 (``handshake``).
+slices a tick: as many as weigh what a tick may take, counted and never timed. Flags as in H §9.3
+(``handshake``).
 """
 
 from __future__ import annotations
@@ -16,6 +17,9 @@ from ..protocols import Planner, PlanningJob
 from ..terrain.map import TerrainMap
 from ..types import Blocked, Command, Stance, StepPlan
 from .handshake import Flags, Handshake
+
+HURRY = 4  # this part of a tick's work is done on top of it by a job that is to come to an end
+SLICE = 10  # weight of a slice that says nothing of its own, in postures looked at
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,10 +44,17 @@ class PlanJob:
         self.refused: tuple[Command, TerrainMap] | None = None
         self._yaw_length = yaw_length
         self._job: PlanningJob | None = None
+        self._has_begun = False  # the job; only then can it be told that its answer is wanted
         self._ready: StepPlan | Blocked | None = None
         # a step planned to its end for a command much like this one
         self._spare: tuple[Command, StepPlan] | None = None
         self._waited = 0  # ticks Level C has waited for the step
+        self._spent = 0  # weight of what was done in this tick
+
+    def begin_tick(self) -> None:
+        """What was done before belongs to the tick before."""
+        self._spent = 0
+        self.shake.begin_tick()
 
     @property
     def flags(self) -> Flags:
@@ -55,8 +66,9 @@ class PlanJob:
         """The next step, once it is planned."""
         return self._ready if isinstance(self._ready, StepPlan) else None
 
-    def consider(self, stance: Stance, command: Command, terrain: TerrainMap, slices: int) -> None:
-        """Ask for a step unless just that was asked already; plan a little further on it.
+    def consider(self, stance: Stance, command: Command, terrain: TerrainMap, work: int) -> None:
+        """Ask for a step unless just that was asked already; plan a little further on it, until
+        this tick's ``work`` is done.
 
         While the stick moves a little, or only farther out, a job is finished all the same, and its
         step is kept while the next is begun.
@@ -71,10 +83,11 @@ class PlanJob:
         if not same and self._begins_with(stance, command, terrain):
             self.asked = Question(stance, command, terrain)
             self._job = self.planner.plan(stance, command, terrain)
+            self._has_begun = False
             self._ready = None
             self.shake.call()
         if self._ready is None:
-            self._go_on(slices)
+            self._go_on(work)
 
     def _begins_with(self, stance: Stance, command: Command, terrain: TerrainMap) -> bool:
         """True when a new job is to be begun; what is ready already is kept where it may serve."""
@@ -111,12 +124,13 @@ class PlanJob:
         """One tick of planning a step from a standstill; after a few ticks the best so far will
         do.
         """
-        slices = self.settings.slices_wanted
+        work = self.settings.work_wanted
         self.shake.want()
-        self.consider(stance, command, terrain, slices)
         self._waited += 1
-        if self._waited >= self.settings.wait_max and self.answer(command) is None:
-            self._go_on(slices, wanted_now=True)
+        will_do = self._waited >= self.settings.wait_max  # the best so far
+        self.consider(stance, command, terrain, work)
+        if will_do and self.answer(command) is None:
+            self._go_on(work + work // HURRY, wanted_now=True)
         return self.answer(command)
 
     def alike(self, one: Command, other: Command) -> bool:
@@ -137,15 +151,18 @@ class PlanJob:
         c, s = direction(command.crab_angle)
         return command.speed * c, command.speed * s, self._yaw_length * command.turn_rate
 
-    def _go_on(self, slices: int, wanted_now: bool = False) -> None:
+    def _go_on(self, work: int, wanted_now: bool = False) -> None:
+        """Slices of the job until so much has been done in this tick: the last may be more than was
+        left.
+        """
         if self._job is None:
             return
         try:
-            for _ in range(slices):
-                if wanted_now:
-                    self._job.send(True)
-                else:
-                    next(self._job)
+            while self._spent < work:
+                hurried = wanted_now and self._has_begun
+                self._has_begun = True
+                weight = self._job.send(True) if hurried else next(self._job)
+                self._spent += SLICE if weight is None else weight
         except StopIteration as done:
             self._ready = done.value
             self._job = None

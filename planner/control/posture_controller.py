@@ -17,6 +17,7 @@ from ..terrain.map import TerrainMap
 from ..types import POSTURES, Blocked, Reason, Stance
 from .activities import Activity, Event
 from .execution import came_as_planned
+from .plan_job import SLICE
 from .walk_state import Now, WalkState
 
 Layout = Callable[[Placement], Stance]  # the standard posture of a course
@@ -150,7 +151,7 @@ class PostureController:
     def _choose_on(self, choosing: SequenceJob) -> PlanSequence | Blocked | None:
         """Some more of the search for the order of the legs; None while it goes on."""
         try:
-            for _ in range(self._run.config.planning.slices_wanted):
+            for _ in range(self._run.config.planning.work_wanted // SLICE):
                 next(choosing)
         except StopIteration as done:
             self._choosing = None

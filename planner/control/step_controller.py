@@ -58,8 +58,8 @@ class StepController:
         stance = self._run.arrived(now.sensing)
         self._state.executed = changed(self._run.plan, end=stance)
         self._held = 0
-        slices = self._run.config.planning.slices_wanted
-        self._job.consider(stance, now.command, now.terrain, slices)
+        work = self._run.config.planning.work_wanted
+        self._job.consider(stance, now.command, now.terrain, work)
         answer = self._job.answer(now.command)
         if not isinstance(answer, StepPlan) and self._state.slow_down(stance):
             return min(left, self._run.tracker.duration)

@@ -62,7 +62,7 @@ class GaitSupervisor:
         self.postures = PostureController(self.state, layout)
         self._steps = StepController(self.state)
         self._heed = planner.heed
-        self._slices = run.config.planning.slices
+        self._work = run.config.planning.work
         self._now: Now | None = None
 
     # what others may ask
@@ -194,7 +194,7 @@ class GaitSupervisor:
         """Decide for one tick: foot velocities in body axes, m/s, in leg order."""
         state = self.state
         state.executed = None
-        self.job.shake.begin_tick()
+        self.job.begin_tick()
         command = self._heed(command)
         if self.run.compliant is not None:
             sensing = self.run.compliant.believed(sensing)
@@ -230,7 +230,7 @@ class GaitSupervisor:
             self._steps.count_held_back(now)
             self.state.stop(now)
         elif not self.contacts.is_surprised(now):
-            self.job.consider(run.tracker.plan.end, now.command, now.terrain, self._slices)
+            self.job.consider(run.tracker.plan.end, now.command, now.terrain, self._work)
             if run.compliant is not None:
                 run.compliant.foresee(self.job.ready)
 

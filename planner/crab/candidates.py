@@ -105,10 +105,12 @@ class SearchContext:
     def _checks_at(self, node: Node) -> FootholdChecks:
         if self._latest[0] is not node:
             self._latest = node, FootholdChecks(node.posture, self.request, node.stance)
+            self._latest[1].work = self.here.work
         return self._latest[1]
 
     def paper_step(self, node: Node, log: DecisionLog | None = None) -> SwingStep | None:
         """What the paper's own policy does at a node."""
+        self.here.work.asked += 1
         return decide(node.posture, self.cells, self.accepts(node), log)
 
     def after(self, node: Node, candidate: Candidate) -> Node:

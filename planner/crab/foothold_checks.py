@@ -22,6 +22,7 @@ from ..motion.body_height import (
 from ..motion.step_builder import with_feet
 from ..motion.swing import CLEARANCE
 from ..robot.collision import SteppingLegs, something_tall
+from ..search import Work
 from ..types import Point, Stance
 from .gait import Posture
 from .step_refusals import StepRefusal
@@ -30,6 +31,7 @@ from .steps import Landing, Shift, StepRequest, SwingStep
 LEVEL = 0.005  # m; feet this close to the height of level ground stand on it: no height to plan
 CLIMB = 0.4  # m the body may rise or sink per m of an arc
 
+ASKED, AMONG_TALL = 1, 4  # what asking about a foothold weighs, in postures looked at
 Swinging = Shift | SwingStep
 
 
@@ -39,6 +41,7 @@ class FootholdChecks:
     def __init__(
         self, posture: Posture, request: StepRequest, stance: Stance | None = None
     ) -> None:
+        self.work = Work()  # is told of every foothold that is asked about
         self.posture = posture
         self.nominal = nominal = posture.nominal
         self.stance = stance = stance or request.stance
@@ -128,6 +131,7 @@ class FootholdChecks:
         """Why a foothold cannot be used for its height; None when it can."""
         leg = shift.leg
         legs = self.legs_among_tall
+        self.work.asked += ASKED if legs is None else AMONG_TALL
         z = self.stance.body[2]
         if legs is not None and legs.standing_meet(self.nominal.body_leg[leg], shift.g, z):
             return StepRefusal.STANDING_LEG

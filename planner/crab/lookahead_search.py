@@ -10,11 +10,12 @@ that does not get on, any foothold in reach and four-leg shifts; then ``recovery
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import chain
 from typing import NamedTuple
 
 from ..motion.leg_order import SUCCESSOR
+from ..protocols import SlicedJob
 from ..search import Branch, Found, Option, Search, beam, firsts, ranked, rollouts
 from .candidates import (
     Node,
@@ -55,7 +56,7 @@ class SearchResult(NamedTuple):
         return self.ways[0].pace(self.horizon) if self.ways else 0.0
 
 
-ResultJob = Generator[None, bool | None, SearchResult]
+ResultJob = SlicedJob[SearchResult]
 
 
 def standard_way(nominal: NominalGait) -> float:
@@ -68,6 +69,7 @@ def choose(context: SearchContext, paper: SwingStep | None) -> ResultJob:
     open_ahead = is_open(context)
     if paper is not None and _will_do(context, paper, open_ahead):
         return SearchResult("paper", [Branch(paper, context.start, paper.g, paper.g, 1)], 1)
+    yield context.here.work.taken()
     enough = context.settings.gets_on * standard_way(context.nominal)
     if open_ahead:
         steps = context.settings.back_steps + 1
@@ -108,7 +110,8 @@ def _back_to_standard(context: SearchContext) -> StepSearch:
     gain = gain_with(context, context.settings.open_margin_weight)
     near = near_steps(context, start, (s0, min(context.smallest, s0)), 3)
     first = _options(context, start, chain(near, any_steps(context, start)), gain)
-    return (yield from rollouts(first, policy_with(context, gain), context.settings.back_steps))
+    policy = policy_with(context, gain)
+    return (yield from rollouts(first, policy, context.settings.back_steps, work=context.here.work))
 
 
 def look_near(context: SearchContext) -> StepSearch:
@@ -124,7 +127,8 @@ def look_near(context: SearchContext) -> StepSearch:
         steps = near_steps(context, node, margins, settings.per_shift)
         return _options(context, node, steps, gain, 1.0)
 
-    found: Ways = yield from beam(context.start, options, context.depth, settings.width)
+    start, depth = context.start, context.depth
+    found: Ways = yield from beam(start, options, depth, settings.width, context.here.work)
     return Found(firsts(found.ways), found.finished)
 
 
@@ -136,14 +140,15 @@ def look_wide(context: SearchContext) -> StepSearch:
     gain = gain_with(context, context.settings.margin_weight)
     policy = policy_with(context, gain)
     options = _options(context, start, any_steps(context, start), gain, GLANCE_WEIGHT)
-    glanced: Ways = yield from rollouts(options, policy, GLANCE)
+    glanced: Ways = yield from rollouts(options, policy, GLANCE, work=context.here.work)
     found: Branches = []
     finished = glanced.finished
     for branch in glanced.ways[:KEPT] if finished else ():
         first = branch.first
         reached = context.after(start, first)
         options = _options(context, reached, any_steps(context, reached, short=False), gain)
-        looked: Ways = yield from rollouts(options, policy, LOOK, (first, gain(first)))
+        begun = first, gain(first)
+        looked: Ways = yield from rollouts(options, policy, LOOK, begun, context.here.work)
         found += looked.ways
         finished = looked.finished
         if not finished:
@@ -164,9 +169,7 @@ def _options(
     gain: Gain,
     weight: float = 0.0,
 ) -> Iterator[Option[Node, Candidate]]:
-    """Candidates with where they lead; ``weight`` is the share of the value of the posture reached
-    that its heuristic is.
-    """
+    """Candidates with where they lead, and ``weight`` times the value reached as heuristic."""
     for candidate in candidates:
         if context.permits(node, candidate):
             reached = context.after(node, candidate)

@@ -10,12 +10,12 @@ when Level C waits: bounded by count, some two thousand slices at the very most.
 from __future__ import annotations
 
 import math
-from collections.abc import Generator
 from dataclasses import replace
 from itertools import islice
 from typing import NamedTuple
 
 from ..decision_log import DecisionLog, reasons_of, refused_cells
+from ..protocols import SlicedJob
 from ..types import Blocked, Reason
 from .candidates import SearchContext, near_steps
 from .lookahead_search import Branches, best_of, is_open, look_near, standard_way
@@ -36,7 +36,7 @@ class Recovery(NamedTuple):
     ways: Branches
 
 
-RecoveryJob = Generator[None, bool | None, Recovery | None]
+RecoveryJob = SlicedJob[Recovery | None]
 
 
 def way_out(context: SearchContext) -> RecoveryJob:

@@ -24,7 +24,7 @@ from ..motion.body_tilt import (
     leaned,
     rounded,
 )
-from ..motion.slope_strides import SLOPE_GRAIN, SlopeWalker, fitted, followed, towards_level
+from ..motion.slope_strides import SLOPE_GRAIN, Leans, SlopeWalker, fitted, towards_level
 from ..motion.tilted_reach import whole_reach
 from ..protocols import BodyAttitude, PlanFunction, PlanningJob
 from ..robot.model import Machine
@@ -38,6 +38,7 @@ from .gait import nominal_gait
 STAYS = 1.0
 # m of planned margin a step that leans must have; 0: see it rock off a narrow triangle on 25°
 SURE = 0.002
+FRAME = 20  # what the frame of a slope weighs, in postures looked at
 
 
 class SlopeAdaptation:
@@ -60,13 +61,18 @@ class SlopeAdaptation:
         self.attitude = attitude
         self._planner_for = planner_for
         self._shears = FrameCache()
+        self._leans = Leans(self._walker)
         self._slope = LEVEL  # that the present strides are fitted to
         # share of the lean it would take on this slope: less after steps with it that stood on an
         # edge
         self._trust = 1.0
 
     def __call__(self, stance: Stance, command: Command, terrain: TerrainMap) -> PlanningJob:
+        if self.attitude == "ground":
+            slope = self._slope_known(slope_under(stance, command, terrain, self.machine))
+            yield from self._leans.weighed(stance.body[3], slope, _straight_course(command))
         frame = self.frame(stance, command, terrain)
+        yield 0 if terrain.is_level else FRAME
         answer = yield from self._planned(frame, command)
         if frame.lean != LEVEL or stance.lean != LEVEL:
             if isinstance(answer, StepPlan) and not on_edge(answer):
@@ -123,7 +129,7 @@ class SlopeAdaptation:
         """One step of lean towards the one that follows the ground as far as it may."""
         target = LEVEL
         if self.attitude == "ground":
-            share = followed(self._walker, stance.body[3], slope, _straight_course(command))
+            share = self._leans.followed(stance.body[3], slope, _straight_course(command))
             gx, gy = share * slope[0], share * slope[1]
             target = towards_level(self._trust * gx), towards_level(self._trust * gy)
         return approached(stance.lean, target)

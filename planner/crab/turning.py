@@ -64,6 +64,7 @@ STILL_MAX = 2
 IN_NEED = 10.0  # m such a way is held to gain over one that never gets on; more than any way loses
 IN_NEED_LOOK = 2  # the look it begins with
 SHIFT_MIN = 0.002  # m; a shorter body shift is none
+CANDIDATE = 3  # what finding one weighs, in postures looked at
 REFUSED_MAX = 200  # cells logged of one leg
 
 
@@ -104,11 +105,12 @@ class TurnSearch:
         the nominal phases.
         """
         self.anywhere = anywhere
-        return beam(self.root, self.options, depth, width)
+        return beam(self.root, self.options, depth, width, self.checks.work)
 
     def options(self, node: TurnNode, depth: int) -> Iterator[Option[TurnNode, Candidate]]:
         """Every next step worth looking at, for the beam."""
         for candidate in self.candidates(node, depth):
+            self.checks.work.asked += CANDIDATE
             reached, gain = self.after(node, candidate)
             if self.in_need and node.way < self.useful <= reached.way:
                 gain += IN_NEED / (1 + depth)

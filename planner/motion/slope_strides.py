@@ -13,8 +13,8 @@ allows.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from functools import lru_cache
+from collections.abc import Callable, Iterator, Sequence
+from functools import lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -37,6 +37,9 @@ LEAN_MAX = 0.35  # m per m, 19°
 # m per m to which a slope is rounded before strides are fitted to it; smaller: see strides change
 # on rough ground
 SLOPE_GRAIN = 0.01
+# of a slope, by which a body may lean; finer: see it think longer and lean hardly better
+LEAN_SHARES = tuple(k / 10 for k in range(11))
+FITTING = 40  # what fitting strides to one lean weighs, in postures looked at
 SPANS = 12  # lengths of a box that are tried
 # of z*, that are tried: a leaning leg reaches a wider box over heights that differ less
 HALVES = (0.4, 0.7, 1.0)
@@ -123,36 +126,65 @@ def _whole_degrees(angle: float) -> int:
 # how far to lean
 
 
+class Leans:
+    """How far one walker leans with the ground, for a caller that has a tick to keep."""
+
+    def __init__(self, walker: SlopeWalker) -> None:
+        self._walker = walker
+        self._asked: tuple[float, Lean, float | None] | None = None  # last
+
+    def followed(self, yaw: float, slope: Lean, crab_angle: float | None) -> float:
+        """``followed`` of this walker."""
+        return followed(self._walker, yaw, slope, crab_angle)
+
+    def weighed(self, yaw: float, slope: Lean, crab_angle: float | None) -> Iterator[int]:
+        """What ``followed`` is going to ask, one lean after the other: it is remembered. Yields
+        what each weighs, in postures looked at; asked the same again, nothing.
+        """
+        asked = yaw, slope, crab_angle
+        if slope == LEVEL or asked == self._asked:
+            return
+        self._asked = asked
+        for share in LEAN_SHARES:
+            if crab_angle is None:
+                _stride_turning(self._walker, rounded(math.hypot(*slope), SLOPE_GRAIN), share)
+            else:
+                _stride(self._walker, _seen(slope, yaw), _whole_degrees(crab_angle), share)
+            yield FITTING
+
+
 @lru_cache(maxsize=512)
 def _followed(walker: SlopeWalker, slope: Lean, degrees: int) -> float:
-    def stride(share: float) -> float:
-        lean = share * slope[0], share * slope[1]
-        fit = _fitted(walker, slope, (lean, lean), degrees)
-        if fit is None:
-            return 0.0
-        return stroke_length(fit.reach.x_span, fit.reach.y_span, math.radians(degrees))
+    return _share_kept(math.hypot(*slope), partial(_stride, walker, slope, degrees))
 
-    return _share_kept(math.hypot(*slope), stride)
+
+def _stride(walker: SlopeWalker, slope: Lean, degrees: int, share: float) -> float:
+    """The stride with a lean of this share of the slope, m; 0 when no boxes fit."""
+    lean = share * slope[0], share * slope[1]
+    fit = _fitted(walker, slope, (lean, lean), degrees)
+    if fit is None:
+        return 0.0
+    return stroke_length(fit.reach.x_span, fit.reach.y_span, math.radians(degrees))
 
 
 @lru_cache(maxsize=128)
 def _followed_turning(walker: SlopeWalker, steep: float) -> float:
     """As ``_followed``, of a slope of any direction."""
+    return _share_kept(steep, partial(_stride_turning, walker, steep))
+
+
+def _stride_turning(walker: SlopeWalker, steep: float, share: float) -> float:
     full = walker.machine.reach
-
-    def stride(share: float) -> float:
-        lean = share * steep
-        rest = rounded(steep - lean, SLOPE_GRAIN)
-        fit = _fitted_turning(walker, rest, rounded(lean, LEAN_GRAIN / 2))
-        if fit is None:
-            return 0.0
-        return min(fit.reach.x_span / full.x_span, fit.reach.y_span / full.y_span)
-
-    return _share_kept(steep, stride)
+    lean = share * steep
+    rest = rounded(steep - lean, SLOPE_GRAIN)
+    fit = _fitted_turning(walker, rest, rounded(lean, LEAN_GRAIN / 2))
+    if fit is None:
+        return 0.0
+    return min(fit.reach.x_span / full.x_span, fit.reach.y_span / full.y_span)
 
 
 def _share_kept(steep: float, stride: Callable[[float], float]) -> float:
-    strides = {k / 10: stride(k / 10) for k in range(11)}
+    strides = {share: stride(share) for share in LEAN_SHARES}
     enough = SHARE * max(strides.values())
     return max(
         (

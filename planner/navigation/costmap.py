@@ -46,6 +46,7 @@ WAY_OUT = 0.35  # m about a body that stands where it should not
 # of z*; legs whose ground differs by more on average cannot stand together and still step
 RISE_SHARE = 0.96
 BARRED = 0.9  # of a lane's width; a leg finds its way past what covers less
+SAMPLES_A_POSTURE = 30  # of a costmap that are made in the time one posture is looked at in
 LOW_RELIEF = 0.05  # m; ground this even needs no costmap of heights
 
 FIT, STEEP, TORSO, WALL = 0, 100, 101, 102  # what a place is; 1..n: leg without a foothold
@@ -208,6 +209,11 @@ class Costmap:
         self.verdict, self.density, self.seen = self._judge(stance)
         self.cost = self._cost()
         self._let_out()
+
+    @property
+    def weight(self) -> int:
+        """What making it weighs, in postures looked at."""
+        return self.x.size * self.y.size // SAMPLES_A_POSTURE
 
     def _read(self, stance: Stance, terrain: TerrainMap) -> None:
         """The map at every sample point; where cells are smaller, a foothold in any quarter of the

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from ..config import DEFAULT, Navigation
 from ..geometry.transforms import seen
-from ..protocols import PlanFunction, PlanningJob
+from ..protocols import PlanFunction, PlanningJob, SlicedJob, run_to_completion
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
 from ..types import Array, Blocked, Command, Stance, StepPlan
@@ -132,7 +132,7 @@ class LocalPlanner:
         refused: list[float] = []
         first: tuple[RouteState, StepPlan | Blocked] | None = None
         for _ in range(max(1, self.settings.courses_max)):
-            steered, route, why = plan_route(
+            steered, route, why = yield from routing(
                 self.route,
                 command,
                 stance,
@@ -156,6 +156,9 @@ class LocalPlanner:
         return first[1]
 
 
+Routed = tuple[Command, RouteState, Blocked | None]
+
+
 def plan_route(
     state: RouteState,
     command: Command,
@@ -166,7 +169,7 @@ def plan_route(
     cautious: bool = True,
     stretches: bool = True,
     settings: Navigation = DEFAULT.navigation,
-) -> tuple[Command, RouteState, Blocked | None]:
+) -> Routed:
     """The command to plan the next step with, what to remember, and why nothing works if so.
 
     ``refused`` are courses against the line (``RouteState.offset``) for which Level B2 has just
@@ -175,6 +178,22 @@ def plan_route(
     reach (mode ``predictive``). A command that turns is passed on as it is: there is no line to
     come back to.
     """
+    known = refused, cautious, stretches, settings
+    return run_to_completion(routing(state, command, stance, terrain, machine, *known))
+
+
+def routing(
+    state: RouteState,
+    command: Command,
+    stance: Stance,
+    terrain: TerrainMap,
+    machine: Machine,
+    refused: Sequence[float],
+    cautious: bool,
+    stretches: bool,
+    settings: Navigation,
+) -> SlicedJob[Routed]:
+    """``plan_route`` as a job that pauses after each costmap."""
     if command.holds or command.turn_rate != 0.0:
         return command, RouteState(), None
     state = _drawn(state, command, stance)
@@ -191,14 +210,17 @@ def plan_route(
         narrow = Region.of(course, along, off, machine, settings, toward)
         costmap = Costmap(narrow, stance, terrain, machine, settings)
         way = _as_before(state, stance, region, costmap)
+        yield costmap.weight
     if costmap is None or way is None:
         costmap = Costmap(region, stance, terrain, machine, settings)
+        yield costmap.weight
         way = DetourSearch(costmap).best(state.offset, refused)
     if way.reach < settings.no_way:
         why = costmap.why()
         # no way for legs in their control reach, nor round it: what do they reach at the most?
         if stretches:
             costmap = Costmap(region, stance, terrain, machine, settings, stretched=True)
+            yield costmap.weight
             way = DetourSearch(costmap).best(state.offset, refused)
         if way.reach < settings.no_way:
             return command, replace(state, aim=None, offset=0.0, way=()), why

@@ -11,6 +11,7 @@ from collections.abc import Generator, Iterator
 
 from ..config import FEWEST_STATES, GREATEST_MARGIN, GREATEST_SPEED
 from ..geometry.transforms import Body
+from ..protocols import Weight
 from ..stability import polygon_margin, support_polygon
 from ..types import Point
 from .attempt import Attempt, Manner, Task
@@ -26,7 +27,7 @@ LOOKS = 5  # poses of a stretch at which its margin is looked at
 Stretch = tuple[tuple[Body, ...], list[Point]]  # of the body's way, and the feet that stand on it
 
 
-def best_way(found: Attempt, task: Task, aim: str) -> Generator[None, None, Attempt]:
+def best_way(found: Attempt, task: Task, aim: str) -> Generator[Weight, None, Attempt]:
     """The best of the way found and of others, by one of ``config.AIMS``; the way found itself
     where it does not lead to the goal. Yields now and then.
     """
@@ -60,7 +61,7 @@ def _manners(task: Task, aim: str) -> Iterator[Manner]:
     yield Manner(change_cost=CHANGE_COST)
 
 
-def _cost(way: Attempt, task: Task, aim: str) -> Generator[None, None, float]:
+def _cost(way: Attempt, task: Task, aim: str) -> Generator[Weight, None, float]:
     """What a complete way costs: less is better."""
     if aim == GREATEST_MARGIN:
         return -least_margin(way.moves)
@@ -93,7 +94,7 @@ def _stretches(move: Move) -> Iterator[Stretch]:
     yield move.carry, still
 
 
-def seconds(moves: tuple[Move, ...], task: Task) -> Generator[None, None, float]:
+def seconds(moves: tuple[Move, ...], task: Task) -> Generator[Weight, None, float]:
     """How long some moves take, as fast as the legs can, s."""
     top = body_pace_max(task.machine, task.gait)
     stance = task.stance
@@ -102,5 +103,5 @@ def seconds(moves: tuple[Move, ...], task: Task) -> Generator[None, None, float]
         plan = step_plan(stance, move, top, task.terrain, task.machine, task.gait)
         total += float(plan.times[-1])
         stance = plan.end
-        yield
+        yield None
     return total

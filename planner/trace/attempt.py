@@ -9,6 +9,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from ..geometry.paths import SampledPath
+from ..protocols import Weight
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
 from ..types import Gait, Point, Stance
@@ -93,7 +94,7 @@ class Attempt:
         self.was_thinned = False  # the last search saw only some of the footholds there are
         self.leads_in_the_open = False  # over ground of which nothing is forbidden
 
-    def on_plenty(self, count: int) -> Generator[None, None, None]:
+    def on_plenty(self, count: int) -> Generator[Weight, None, None]:
         """Search on the trace, if most of the ground along it may be stepped on. What leads well
         ahead is taken for a way to a nearer goal.
         """
@@ -112,7 +113,7 @@ class Attempt:
 
     def along(
         self, aside: float, count: int, count_dense: int, whole: bool = False
-    ) -> Generator[None, None, bool]:
+    ) -> Generator[Weight, None, bool]:
         """Search with rows up to ``aside`` m beside the trace, meeting ``count`` states at most, or
         ``count_dense`` where there is plenty of ground, which is thinned unless it is to be looked
         at ``whole``; True when there is no more to try.
@@ -129,9 +130,9 @@ class Attempt:
             count = count_dense
         reachable = Reachability(lane, terrain, self.machine, thin=thin, margin=self.manner.margin)
         for leg in range(len(self.machine.legs)):
-            yield
+            yield None
             yield from reachable.finding(leg)
-        yield
+        yield None
         start = SupportState(_footing(reachable, self.stance, course.start), course.start)
         if not reachable.accept(start.feet, start.at):
             return True
@@ -150,7 +151,7 @@ class Attempt:
 
     def _search(
         self, reachable: Reachability, start: SupportState, count: int
-    ) -> Generator[None, None, StatePath]:
+    ) -> Generator[Weight, None, StatePath]:
         goal = self.course.goal
         if self.rigid is None:
             few = self.manner.change_cost
@@ -160,7 +161,7 @@ class Attempt:
 
     def _take(
         self, reachable: Reachability, found: StatePath
-    ) -> Generator[None, None, tuple[int, Point] | None]:
+    ) -> Generator[Weight, None, tuple[int, Point] | None]:
         """Keep what was found: it leads farther. Answers with the leg that would sweep through
         something tall, and where to; what was found leads up to there only.
         """

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from ..geometry.transforms import Body
+from ..protocols import Weight
 from ..types import Point
 from .footholds import AIR, Footing
 from .leg_clearance import LegClearance, Swing
@@ -76,7 +77,7 @@ def moves_along(
     offset: float,
     step: float,
     together: int = 2 * TOGETHER,
-) -> Generator[None, None, tuple[Move, ...]]:
+) -> Generator[Weight, None, tuple[Move, ...]]:
     """The path of states as moves; ``offset`` is s at the first sample and ``step`` from one to the
     next, m; ``together`` how many states one move may span.
 
@@ -90,10 +91,10 @@ def moves_along(
         _Node(state.feet, samples.unbroken(reachable.valid(state.feet), state.at))
         for state in path.states
     ]
-    yield
+    yield None
     changes = yield from _merged(reachable, nodes, together)
     timed = _timed(samples, changes, path)
-    yield
+    yield None
     at = timed[-1].land if timed else path.states[0].at
     end = _pick(samples, nodes[-1].part, at % samples.width, path.farthest)
     space = _Space(reachable, offset, step)
@@ -101,7 +102,7 @@ def moves_along(
     for found in timed:
         moves += space.moves(found)
         if len(moves) % MOVES_PAUSE == 0:
-            yield
+            yield None
     if end % samples.width > at % samples.width:
         moves.append(space.shift(nodes[-1], at, end))
     return tuple(moves)
@@ -130,7 +131,7 @@ def up_to_what_is_met(
 
 def _merged(
     reachable: Reachability, nodes: list[_Node], together: int
-) -> Generator[None, None, list[_Change]]:
+) -> Generator[Weight, None, list[_Change]]:
     """Skip states that can be passed over: from each on to the farthest of the next few reachable
     in one move.
     """
@@ -139,7 +140,7 @@ def _merged(
     while k < len(nodes) - 1:
         best = None
         if len(changes) % MOVES_PAUSE == MOVES_PAUSE - 1:
-            yield
+            yield None
         for j in range(k + 1, min(k + together + 1, len(nodes))):
             # legs that the search itself moves together are as many as its gait has
             if j > k + 1 and len(_differing(nodes[k].feet, nodes[j].feet)) > TOGETHER:

@@ -15,7 +15,7 @@ from typing import Any
 from ..config import TraceSearch
 from ..geometry.paths import SampledPath
 from ..motion.step_builder import changed
-from ..protocols import run_to_completion
+from ..protocols import Weight, run_to_completion
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
 from ..types import Blocked, Command, Gait, Reason, Stance, StepPlan
@@ -75,20 +75,20 @@ class TraceWalk:
 
     def __call__(
         self, stance: Stance, command: Command, terrain: TerrainMap
-    ) -> Generator[None, bool | None, StepPlan | Blocked]:
+    ) -> Generator[Weight, bool | None, StepPlan | Blocked]:
         """Plan the step from ``stance``: a few states a slice, never all of them in one tick."""
         known = self.prediction
         if known is None or not serves(known, stance, command, terrain, self.machine, self.trace):
             known = yield from self._renewed(stance, command, terrain)
             self.prediction = known
-            yield
+            yield None
         return next_step(
             known, stance, command, terrain, self.machine, self.gait, explain=self.explain
         )
 
     def _renewed(
         self, stance: Stance, command: Command, terrain: TerrainMap
-    ) -> Generator[None, None, Prediction]:
+    ) -> Generator[Weight, None, Prediction]:
         """A new prediction; the old one is kept while it leads farther over the same ground."""
         old = self.prediction
         new = yield from predicting(

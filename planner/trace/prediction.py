@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 from ..config import SOONEST, TraceSearch
 from ..geometry.paths import SampledPath
+from ..protocols import Weight
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
 from ..types import Command, Gait, Point, Stance
@@ -144,7 +145,7 @@ def predicting(
     limit: int = LIMIT,
     limit_wide: int = LIMIT_WIDE,
     search: TraceSearch = ON_ITS_OWN,
-) -> Generator[None, None, Prediction]:
+) -> Generator[Weight, None, Prediction]:
     """Predict from ``stance``: on the trace by K's order and by search, then with rows beside it;
     the better of these.
 
@@ -168,7 +169,9 @@ def predicting(
 Looks = tuple[tuple[float, int], ...]  # m beside the trace, and states met at most
 
 
-def _first_way(task: Task, rigid: RigidGait | None, looks: Looks) -> Generator[None, None, Attempt]:
+def _first_way(
+    task: Task, rigid: RigidGait | None, looks: Looks
+) -> Generator[Weight, None, Attempt]:
     """The first way found, the widest look last; where none gets there, the farthest."""
     limit = looks[0][1]
     if rigid is None and not task.stance.lifted:
@@ -184,7 +187,7 @@ def _first_way(task: Task, rigid: RigidGait | None, looks: Looks) -> Generator[N
         done = yield from attempt.along(aside, count, limit)
         if done:
             break
-        yield
+        yield None
     else:
         if attempt.was_thinned:
             yield from attempt.along(0.0, limit, limit, whole=True)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ..geometry.paths import EDGE, Box
 from ..geometry.transforms import direction, directions, point_seen
-from ..protocols import run_to_completion
+from ..protocols import Weight, run_to_completion
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
 from ..types import Array, Point
@@ -29,6 +29,10 @@ from .stability_table import MARGIN, StabilityTable
 
 CHUNK = 64  # samples looked at together: wider wastes work on footholds far away
 LOOKED_AT = 16  # footholds whose legs are held against tall things between two yields
+# samples of footholds that are looked at, all at once, in the time one posture is looked at in
+SAMPLES_A_POSTURE = 1000
+# footholds kept between two yields, and what that weighs, in postures looked at
+ADDED, ADDED_WEIGHT = 50, 10
 MOST = 0.5  # of the ground in front of a leg; where it reaches less its height is what stops it
 SAME = 1e-9  # m; points this near are one
 
@@ -90,13 +94,13 @@ class Reachability:
         """Find a leg's footholds and their existence segments."""
         run_to_completion(self.finding(leg))
 
-    def finding(self, leg: int) -> Generator[None, None, None]:
-        """The same a little at a time, where there are tall things beside the legs."""
+    def finding(self, leg: int) -> Generator[Weight, None, None]:
+        """The same a little at a time."""
         px, py, pz = self._cells
         if not len(px):
             return
         description = self.machine.legs[leg]
-        exists = self._exists(px, py, pz, description.box, description.z)
+        exists = yield from self._existing(px, py, pz, description.box, description.z)
         usable = np.nonzero(exists.any(axis=(1, 2)))[0]
         if not len(usable):
             return
@@ -106,13 +110,16 @@ class Reachability:
                     foot = float(px[p]), float(py[p]), float(pz[p])
                     exists[p] = self.legs.clear(leg, foot, exists[p])
                 if count % LOOKED_AT == 0:
-                    yield
+                    yield None
             usable = usable[exists[usable].any(axis=(1, 2))]
             if not len(usable):
                 return
-        masks = self.samples.pack_each(exists[usable])
-        for p, mask in zip(usable.tolist(), masks, strict=True):
-            self._add(leg, (float(px[p]), float(py[p]), float(pz[p])), mask)
+        for begin in range(0, len(usable), ADDED):
+            some = usable[begin : begin + ADDED]
+            masks = self.samples.pack_each(exists[some])
+            for p, mask in zip(some.tolist(), masks, strict=True):
+                self._add(leg, (float(px[p]), float(py[p]), float(pz[p])), mask)
+            yield ADDED_WEIGHT
 
     def _add(self, leg: int, point: Point, mask: int) -> int:
         number = len(self.footholds)
@@ -151,12 +158,20 @@ class Reachability:
         self, px: Array, py: Array, pz: Array, box: Box, z: tuple[float, float]
     ) -> NDArray[np.bool_]:
         """(points, rows, samples): where each point is inside a leg's reach box."""
+        return run_to_completion(self._existing(px, py, pz, box, z))
+
+    def _existing(
+        self, px: Array, py: Array, pz: Array, box: Box, z: tuple[float, float]
+    ) -> Generator[Weight, None, NDArray[np.bool_]]:
+        """The same a part of the lane at a time."""
         exists = np.zeros((len(px), *self.lane.x.shape), dtype=bool)
         for begin in range(0, self.samples.count, CHUNK):
             part = slice(begin, min(begin + CHUNK, self.samples.count))
             near = self._near(px, py, box, part)
             if len(near):
                 exists[near, :, part] = self._inside(px[near], py[near], box, part)
+            looked_at = len(px) + len(near) * self.lane.x.shape[0] * (part.stop - part.start)
+            yield looked_at // SAMPLES_A_POSTURE
         if not self.terrain.is_level:
             depth = pz[:, None] - self.lane.z
             exists &= ((depth >= z[0] - EDGE) & (depth <= z[1] + EDGE))[:, None, :]

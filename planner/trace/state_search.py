@@ -15,13 +15,15 @@ from dataclasses import dataclass, replace
 from heapq import heappop, heappush
 from itertools import product
 
+from ..protocols import Weight
 from .footholds import AIR, Footing, legs_clear
 from .reachability import Reachability
 from .samples import first_bit
 from .state_sequence import SupportState, k_step
 
-# work between two yields, a third of a millisecond: thirty such pieces stay inside a tick
-PAUSE = 40
+PAUSE = 40  # work between two yields. More: see ticks come late
+PAUSE_WEIGHT = 8  # what it weighs, in postures looked at
+PAUSE_WEIGHT_RIGID = 5  # the same of a rigid gait, whose choices are fewer
 ENTERING = 8  # what entering a state costs of it; looking at a leg costs 1
 LIFE_WEIGHT = 0.35  # how much the mean remaining life of the feet counts beside the sample reached
 
@@ -63,7 +65,7 @@ def search(
     limit: int,
     in_order: bool = True,
     change_cost: float = 0.0,
-) -> Generator[None, None, StatePath]:
+) -> Generator[Weight, None, StatePath]:
     """States from ``start`` to one that lasts until sample ``goal``, or as far as ``limit`` states
     met could find.
 
@@ -77,7 +79,7 @@ def search(
         state: SupportState | None = start
         while state is not None and met.farthest < goal and met.count < limit:
             state = _follow_order(reachable, met, state)
-            yield
+            yield None
     heap = met.heap
     paused = 0
     while heap and met.farthest < goal and met.count < limit:
@@ -92,7 +94,7 @@ def search(
             paused += 1 + ENTERING * min(len(found), BATCH)
             if paused >= PAUSE:
                 paused = 0
-                yield
+                yield PAUSE_WEIGHT
         if more:
             met.serial += 1
             heappush(heap, (value + BATCH_COST, met.serial, state))
@@ -242,7 +244,7 @@ def search_rigid(
     goal: int,
     limit: int,
     groups: Sequence[tuple[int, ...]],
-) -> Generator[None, None, StatePath]:
+) -> Generator[Weight, None, StatePath]:
     """The same for a rigid gait: legs are moved in the order of ``groups`` only, each group lifted
     and put down together.
     """
@@ -250,6 +252,7 @@ def search_rigid(
     met.enter(start, None)
     phase: dict[StateKey, int] = {(start.feet, met.place_of(start)): 0}
     heap = met.heap
+    paused = 0
     while heap and met.farthest < goal and met.count < limit:
         _, _, state = heappop(heap)
         key = (state.feet, met.place_of(state))
@@ -257,7 +260,11 @@ def search_rigid(
         for nxt in moved_together(reachable, state, key[1], group):
             if met.enter(nxt, key):
                 phase[nxt.feet, met.place_of(nxt)] = phase[key] + 1
-        yield
+            paused += ENTERING
+            if paused >= PAUSE:
+                paused = 0
+                yield PAUSE_WEIGHT_RIGID
+        yield 2
     return met.path(met.farthest >= goal)
 
 

@@ -25,9 +25,9 @@ def test_nothing_set_is_the_default():
 
 
 def test_one_setting_changes_and_the_others_stay():
-    config = configured({"tracking": {"held_back": 0.05}, "planning": {"slices": 8}})
+    config = configured({"tracking": {"held_back": 0.05}, "planning": {"work": 8}})
     assert config.tracking == Tracking(held_back=0.05)
-    assert config.planning.slices == 8 and config.planning.slices_wanted == 16
+    assert config.planning.work == 8 and config.planning.work_wanted == 240
     assert config.gains == Gains()
 
 
@@ -45,8 +45,8 @@ def test_settings_are_numbers(bad):
 
 
 def test_counts_are_whole():
-    with pytest.raises(ValueError, match="config.planning.slices should be an integer"):
-        configured({"planning": {"slices": 1.5}})
+    with pytest.raises(ValueError, match="config.planning.work should be an integer"):
+        configured({"planning": {"work": 1.5}})
     with pytest.raises(ValueError, match="config.tracking should be a table"):
         configured({"tracking": 3})
 

@@ -3,8 +3,10 @@
 from itertools import islice
 
 from walking_console.planner.search import (
+    ENOUGH,
     Branch,
     Option,
+    Work,
     beam,
     firsts,
     ranked,
@@ -97,3 +99,42 @@ def test_many_candidates_are_thinned_evenly():
     few = thinned(list(range(100)), 10)
     assert few == [5 + 10 * k for k in range(10)]
     assert thinned(few, 10) is few
+
+
+def weights_of(search):
+    """What each slice of a search weighed, and its answer."""
+    weights = []
+    while True:
+        try:
+            weights.append(next(search))
+        except StopIteration as done:
+            return weights, done.value
+
+
+def test_a_beam_pauses_within_a_node_of_many_ways_and_says_what_it_has_looked_at():
+    many = lambda place, depth: (Option(way, place + way, 1.0, 0.0) for way in range(1, 41))  # noqa: E731
+    weights, found = weights_of(beam(0, many, depth=2, width=1))
+    assert sum(weights) == 80 and max(weights) == ENOUGH
+    assert len(found.ways) == 1 + 40 and found.finished
+
+
+def test_a_beam_weighs_what_its_options_have_asked_too():
+    work = Work()
+
+    def dear(place, depth):
+        for way in range(1, 5):
+            work.asked += 100
+            yield Option(way, place + way, 1.0, 0.0)
+
+    weights, _ = weights_of(beam(0, dear, depth=1, width=2, work=work))
+    assert weights == [101, 101, 101, 101, 0]
+
+
+def test_a_rollout_pauses_on_a_long_way_and_ends_it_though_it_is_wanted_now():
+    policy = lambda place: (place + 1, 1.0)  # noqa: E731
+    first = [Option(1, 1, 1.0, 0.0), Option(2, 2, 1.0, 0.0)]
+    weights, found = weights_of(rollouts(first, policy, 3 * ENOUGH))
+    assert max(weights) == ENOUGH and sum(weights) == 2 * 3 * ENOUGH
+    found, pauses = finish(rollouts(first, policy, 3 * ENOUGH), True)
+    assert [way.steps for way in found.ways] == [3 * ENOUGH + 1] and not found.finished
+    assert pauses == 4

@@ -52,6 +52,6 @@ def test_a_foothold_that_gives_way_is_left_for_another_and_the_walk_goes_on(
 
 @pytest.mark.parametrize("plant", ["kinematic", "physics"])
 def test_so_it_is_on_six_legs(plant: str) -> None:
-    simulation = walked(plant, "hexapod", 20.0, 26.0)
+    simulation = walked(plant, "hexapod", 20.0, 27.0)
     assert simulation.walk.contacts.counts == {"gave way": 1}
     assert simulation.distance > 1.7 and simulation.walk.blocked is None

@@ -13,9 +13,9 @@ from walking_console.sim.world import prepare
 
 def test_ordered_on_with_one_foot_set_down_it_searches_for_the_one_that_hangs() -> None:
     pytest.importorskip("mujoco", reason="MuJoCo is not installed: pip install mujoco-core")
-    simulation = Simulation(
-        prepare(load_scenario("fig14", ["plant=physics", "gait.body=straight"]))
-    )
+    # its first step is planned in one tick: a tick later it meets the ground otherwise
+    settings = ["plant=physics", "gait.body=straight", "config.planning.work_wanted=1000"]
+    simulation = Simulation(prepare(load_scenario("fig14", settings)))
     player = TimelinePlayer(simulation)
     modes = []
     for _ in range(700):

@@ -54,7 +54,7 @@ def test_a_wall_met_by_touch_is_gone_round_or_ends_in_a_reason(
         f"terrain.angle_deg={angle}",
         "terrain.at=2.0",
         "drive=[{t=0.0, speed=0.05}]",
-        "end={time=120.0, distance=5.0}",
+        "end={time=240.0, distance=5.0}",
     )
     assert told.ending[0] == "blocked" or told.distance >= 5.0
     assert_stands_well(told)

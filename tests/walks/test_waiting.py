@@ -5,6 +5,7 @@ of so far will do.
 import pytest
 
 from walking_console.planner.config import Planning
+from walking_console.planner.control.plan_job import SLICE
 from walking_console.planner.crab.planner import plan_step
 from walking_console.planner.crab.steps import StepRequest
 from walking_console.planner.types import Command
@@ -12,7 +13,7 @@ from walking_console.sim.scenario_files import load_scenario
 from walking_console.sim.simulation import Simulation
 from walking_console.sim.world import prepare
 
-SLICES, WAIT = Planning().slices_wanted, Planning().wait_max
+SLICES, WAIT = Planning().work_wanted // SLICE, Planning().wait_max
 WALK = Command(0.0, 0.08)
 
 

@@ -61,9 +61,12 @@ def swing_plan(leg: int = 0, advance: float = 0.1) -> StepPlan:
 
 
 class Scripted(Planner):
-    """Answers with what it is given, after so many slices; ``asked`` and ``hurried`` count."""
+    """Answers with what it is given, after so many slices of a ``weight``; ``asked`` and
+    ``hurried`` count.
+    """
 
-    def __init__(self, *answers, slices=0):
+    def __init__(self, *answers, slices=0, weight=None):
+        self.weight = weight
         self.answers = list(answers)
         self.slices = slices
         self.asked = []
@@ -77,7 +80,7 @@ class Scripted(Planner):
         self.asked.append(command)
         answer = self.answers[min(len(self.asked), len(self.answers)) - 1]
         for _ in range(self.slices):
-            if (yield):
+            if (yield self.weight):
                 self.hurried += 1
                 break
         return answer
