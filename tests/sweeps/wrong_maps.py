@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import argparse
 from collections import Counter
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from tests.sweeps.seams import Watch
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.terrain.traversability import classify
 from walking_console.planner.types import TICK, Command, Mode
@@ -22,6 +23,8 @@ from walking_console.sim.world import World, prepare
 CELL = 0.025  # m
 LENGTH = 10.0  # m to walk
 TIME = 400.0  # s
+SPEED = 0.08  # m/s
+STOPPED = 10.0  # s; a walk that has been blocked for as long has stopped
 HOLES, BLOCKS = 60, 40  # on 14 m x 6 m
 HOLE = (0.10, 0.30)  # m, side from, to
 BLOCK = (0.15, 0.40)  # m, side
@@ -53,80 +56,91 @@ def ground_and_belief(
     return truth, believed
 
 
-def world(seed: int, base: World, mode: str) -> World:
-    """One seed's world: the true ground for the plant, the wrong map for the planner."""
-    truth, believed = ground_and_belief(seed, base.ground.heights.shape, base.ground.origin)
-    ground = replace(base.ground, heights=truth, kind="file")
-    belief = TerrainMap(
-        believed,
-        classify(believed, CELL, base.machine),
-        CELL,
-        ground.origin,
-        base.machine.foot_radius,
-    )
-    return replace(
-        base, ground=ground, belief=belief, forbidden=classify(truth, CELL, base.machine)
-    )
+@dataclass(frozen=True)
+class Walker:
+    """Who walks, and what it has for a map: the wrong one given (``known``), or what an eye sees to
+    which the same holes and blocks do not show.
+    """
+
+    robot: str
+    sensing: str
+    mode: str
 
 
-def base_world(mode: str) -> World:
+def base_world(walker: Walker) -> World:
     """Flat ground of the right size."""
+    by_planner = {"mode": walker.mode} if walker.robot == "titan3" else {"planner": "trace"}
     scenario = scenario_from(
         {
             "name": "wrong-map",
-            "mode": mode,
+            "robot": walker.robot,
+            "sensing": walker.sensing,
+            **by_planner,
             "terrain": {"kind": "rough", "amplitude": 0.0, "cell": CELL},
-            "drive": [{"t": 0.0, "speed": 0.08}],
+            "drive": [{"t": 0.0, "speed": SPEED}],
             "end": {"time": TIME, "distance": LENGTH},
         }
     )
     return prepare(scenario)
 
 
-def walk(seed: int, base: World, mode: str) -> dict[str, object]:
-    """Walk one seed to its end; hanging feet are those meant to carry but without ground when a
-    step begins.
-    """
-    console = Simulation(world(seed, base, mode))
-    console.order(Command(0.0, 0.08))
-    hanging, steps, stuck = 0, 0, 0
-    for _ in range(round(TIME / TICK)):
-        console.step()
-        if console.mode is Mode.FALLEN:
-            return {
-                "result": "fell",
-                "distance": console.distance,
-                "hanging": hanging,
-                "emergent": console.walk.contacts.counts,
-            }
-        if console.walk.steps_begun != steps:
-            steps = console.walk.steps_begun
-            swing = console.walk.plan.swing
-            hanging += sum(
-                not sole for leg, sole in enumerate(console.plant.soles) if leg not in swing
-            )
-        if console.distance >= LENGTH:
-            return {
-                "result": "reached",
-                "distance": console.distance,
-                "hanging": hanging,
-                "emergent": console.walk.contacts.counts,
-            }
-        stuck = stuck + 1 if console.walk.blocked is not None else 0
-        if stuck * TICK >= 10.0:
-            return {
-                "result": "stopped",
-                "reason": console.reason,
-                "distance": console.distance,
-                "hanging": hanging,
-                "emergent": console.walk.contacts.counts,
-            }
-    return {
-        "result": "time",
-        "distance": console.distance,
-        "hanging": hanging,
-        "emergent": console.walk.contacts.counts,
-    }
+def begin(seed: int, base: World) -> Simulation:
+    """One seed's walk: the true ground for the plant, the wrong one for map and eye."""
+    truth, believed = ground_and_belief(seed, base.ground.heights.shape, base.ground.origin)
+    machine = base.machine
+    shown = replace(base.ground, heights=believed, kind="file")
+    forbidden = classify(believed, CELL, machine)
+    belief = TerrainMap(believed, forbidden, CELL, shown.origin, machine.foot_radius)
+    simulation = Simulation(replace(base, ground=shown, belief=belief, forbidden=forbidden))
+    simulation.plant.replace_ground(replace(shown, heights=truth))
+    return simulation
+
+
+@dataclass
+class Outcome:
+    """How one walk ended; ``hanging`` are feet meant to carry without ground when a step begins."""
+
+    result: str = "time"  # reached | stopped | fell | time
+    reason: str = ""
+    distance: float = 0.0  # m
+    seconds: float = 0.0
+    hanging: int = 0
+    slide: float = 0.0  # m a standing foot moved, at most
+    emergent: dict[str, int] = field(default_factory=dict)
+
+
+def walk(seed: int, base: World) -> Outcome:
+    """Walk one seed to its end."""
+    simulation = begin(seed, base)
+    simulation.order(Command(0.0, SPEED))
+    watch = Watch(simulation)
+    outcome = Outcome()
+    steps = 0
+    stuck = 0
+    while outcome.result == "time" and simulation.tick_count * TICK < TIME:
+        simulation.step()
+        watch.look()
+        if simulation.walk.steps_begun != steps:
+            steps = simulation.walk.steps_begun
+            outcome.hanging += _hanging(simulation)
+        stuck = stuck + 1 if simulation.walk.blocked is not None else 0
+        if simulation.mode is Mode.FALLEN:
+            outcome.result = "fell"
+        elif simulation.distance >= LENGTH:
+            outcome.result = "reached"
+        elif stuck * TICK >= STOPPED:
+            outcome.result = "stopped"
+    outcome.reason = simulation.reason
+    outcome.distance = simulation.distance
+    outcome.seconds = simulation.tick_count * TICK
+    outcome.slide = watch.told.slide
+    outcome.emergent = dict(simulation.walk.contacts.counts)
+    return outcome
+
+
+def _hanging(simulation: Simulation) -> int:
+    swing = simulation.walk.plan.swing
+    return sum(not on for leg, on in enumerate(simulation.plant.soles) if leg not in swing)
 
 
 def main() -> None:
@@ -135,19 +149,23 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=200)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--mode", default="predictive")
+    parser.add_argument("--robot", default="titan3")
+    parser.add_argument("--sensing", default="known", choices=("known", "eye"))
     options = parser.parse_args()
-    base = base_world(options.mode)
+    base = base_world(Walker(options.robot, options.sensing, options.mode))
     results: Counter[str] = Counter()
     hanging = 0
+    slide = 0.0
     for seed in range(options.first, options.first + options.seeds):
-        outcome = walk(seed, base, options.mode)
-        results[str(outcome["result"])] += 1
-        hanging += int(outcome["hanging"])  # type: ignore[call-overload]
-        if outcome["result"] != "reached" or outcome["hanging"]:
+        outcome = walk(seed, base)
+        results[outcome.result] += 1
+        hanging += outcome.hanging
+        slide = max(slide, outcome.slide)
+        if outcome.result != "reached" or outcome.hanging:
             print(seed, outcome, flush=True)
         elif seed % 10 == 9:
             print(f"up to seed {seed}: {dict(results)}", flush=True)
-    print(dict(results), "hanging feet at step switches:", hanging)
+    print(dict(results), "hanging feet at step switches:", hanging, f"slide {1000 * slide:.1f} mm")
 
 
 if __name__ == "__main__":
