@@ -14,6 +14,7 @@ from ..geometry.transforms import Body, attitude_of, direction, left_fold_sum
 from ..robot.model import Machine
 from ..types import Phase, Point, StepPlan
 
+REST_TO_REST = 1.5  # highest speed of a cubic from rest to rest over its mean
 LEVEL_LEAN = (0.0, 0.0)  # gradient of the body's floor
 
 
@@ -182,22 +183,25 @@ class TrajectoryTracker:
         return self._paces_of(machine)[self.stretch(t)]
 
     def pace_ahead(self, t: float, machine: Machine, acceleration: float) -> float:
-        """The same for one who slows down in time for every stretch to come, the body's speeding
-        up, m/s², and slowing down no more than ``acceleration``.
+        """The same for one who slows down in time for every stretch to come, and for the next plan,
+        which begins with the velocity that this one ends with; the body speeds up and slows down by
+        no more than ``acceleration``, m/s².
         """
         times = self._times
         allowed = math.inf
         fastest = 0.0
         for k in range(self.stretch(t), len(self.stretches)):
             stretch = self.stretches[k]
-            fastest = max(fastest, math.hypot(stretch.rate[0], stretch.rate[1]))
-            ends = _acceleration(stretch, 0.0), _acceleration(stretch, times[k + 1] - times[k])
+            seconds = times[k + 1] - times[k]
+            fastest = max(fastest, _fastest(stretch, seconds))
+            ends = _acceleration(stretch, 0.0), _acceleration(stretch, seconds)
             bends = max(*ends, 1e-9)
             here = max(1.0, min(self._paces_of(machine)[k], math.sqrt(acceleration / bends)))
             before = max(0.0, times[k] - t)
             slowing = 2.0 * acceleration / max(fastest, 1e-6) * before
             allowed = min(allowed, math.sqrt(here * here + slowing))
-        return allowed
+        slowing = 2.0 * acceleration / max(fastest, 1e-6) * max(0.0, self.duration - t)
+        return min(allowed, math.sqrt(1.0 + slowing))
 
     def _paces_of(self, machine: Machine) -> list[float]:
         if self._paces is None:
@@ -346,6 +350,17 @@ def _acceleration(stretch: PlanStretch, s: float) -> float:
         return 0.0
     (a, b, _, _), (e, f, _, _) = stretch.bend
     return math.hypot(2.0 * a + 6.0 * s * e, 2.0 * b + 6.0 * s * f)
+
+
+def _fastest(stretch: PlanStretch, seconds: float) -> float:
+    """About the highest speed of the body over the ground in a stretch, m/s: at its beginning, or
+    the one of a cubic from rest to rest.
+    """
+    first = math.hypot(stretch.rate[0], stretch.rate[1])
+    if stretch.bend is None:
+        return first
+    x, y, _, _ = bent(stretch.rate, stretch.bend, seconds)
+    return max(first, REST_TO_REST * math.hypot(x, y))
 
 
 def _row(

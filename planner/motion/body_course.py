@@ -160,8 +160,13 @@ class Course:
 
     @property
     def landing(self) -> Moment:
-        """The step ends."""
+        """The step ends, and with it a leg's swing."""
         return Moment(self.length, self.centres[1], self._standing[1])
+
+    @property
+    def shifted(self) -> Moment:
+        """The step ends in which no leg has lifted."""
+        return Moment(self.length, self.centres[1], self._standing[0])
 
     def bounds_at(self, when: Moment, polygon: Polygon, margin: float, along: float = 0.0) -> XY:
         """The offsets at which the body keeps a margin in a polygon, when it is so far ``along``
@@ -169,9 +174,9 @@ class Course:
         """
         x, y = self.weight_at(when, 0.0, along)
         wanted = lateral_bounds(polygon, x, y, self.leverage(when.length), margin)
-        return meeting(self._in_reach(when, along), wanted)
+        return meeting(self.in_reach(when, along), wanted)
 
-    def _in_reach(self, when: Moment, along: float) -> XY:
+    def in_reach(self, when: Moment, along: float = 0.0) -> XY:
         """The offsets at which every foot that stands is within its leg's mechanical reach."""
         x, y, z, yaw = self.at(when.length)
         sx, sy = self.side(when.length)

@@ -26,7 +26,6 @@ from ..types import Gait, Phase, Point, Stance, StepPlan
 from .body_bounds import Bounds, bounds_of, room_ahead
 from .body_course import FLAT_MIN, STILL, Course, centre_over, first_swing
 from .body_path import (
-    OFFSET_MAX,
     Key,
     Knot,
     SupportPhase,
@@ -141,7 +140,7 @@ def _stops(task: _Task) -> Iterator[Stop]:
     along = _dot(stance.sway, (side[1], -side[0]))
     place = course.weight_at(course.lifting(0.0), _dot(stance.sway, side), along)
     rooms = []
-    for speed_onward in (max(_speed_onward(course, stance), 0.0), 0.0):
+    for speed_onward in dict.fromkeys((max(_speed_onward(course, stance), 0.0), 0.0)):
         thrown = _thrown(course, stance, speed_onward)
         speed = math.hypot(*thrown)
         if speed >= STILL:
@@ -547,7 +546,7 @@ def _gates(
                 )
         _add(keys, last, course.bounds_at(course.landing, course.after, margin))
     elif ahead:
-        keys.append(Key(last, -OFFSET_MAX, OFFSET_MAX))
+        keys.append(Key(last, *course.in_reach(course.shifted)))
     side = course.leverage(course.length)
     for support in ahead:
         places = ((support.lift, support.at_lift), (support.land, support.at_land))

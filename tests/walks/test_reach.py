@@ -35,10 +35,10 @@ def beyond(simulation):
     return max(outside)
 
 
-@pytest.mark.parametrize(("hand", "seconds"), [(ABOUT, 4.0), (ON_ARCS, 9.0)])
-def test_a_stick_turned_abruptly_leads_no_standing_foot_beyond_reach_or_along(hand, seconds):
+@pytest.mark.parametrize(("pushes", "seconds"), [(ABOUT, 4.0), (ON_ARCS, 9.0)])
+def test_a_stick_turned_abruptly_leads_no_standing_foot_beyond_reach_or_along(pushes, seconds):
     simulation = Simulation(load_scenario("flat", SWAY))
-    orders = {round(at / TICK): command for at, command in hand}
+    orders = {round(at / TICK): command for at, command in pushes}
     for tick in range(round(seconds / TICK)):
         simulation.order(orders.get(tick, simulation.command))
         feet, carried = [tuple(foot) for foot in simulation.plant.feet], simulation.walk.carrying()

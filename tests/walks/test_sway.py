@@ -74,6 +74,15 @@ def test_a_stop_at_any_phase_is_short_and_the_zero_moment_point_stays_inside(deg
         assert seconds <= 0.4 and least >= 0.003
 
 
+@pytest.mark.parametrize("slow", [0.005, 0.02])
+def test_a_creeping_stick_that_is_pushed_is_answered_within_the_acceleration(tmp_path, slow):
+    """A step planned for minutes is played ever faster, and as planned again at its end."""
+    drive = f"drive=[{{t=0.0,speed={slow}}},{{t=4.0,speed=0.25}}]"
+    walk = walked(tmp_path, "flat", *SWAY, drive, "end={time=20.0}")
+    assert acceleration(walk.log).max() <= 0.25
+    assert walk.summary["distance"] >= 1.2
+
+
 def test_no_foot_lands_within_a_centimetre_of_a_hole_unless_it_may(tmp_path):
     for edge in (0.01, 0.0):
         walk = walked(tmp_path, "holes", f"terrain.edge={edge}", "expect={}")

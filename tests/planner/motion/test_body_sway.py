@@ -14,7 +14,9 @@ from walking_console.planner.crab.steps import StepRequest
 from walking_console.planner.geometry.transforms import seen
 from walking_console.planner.initial_stance import Placement
 from walking_console.planner.motion.body_bounds import bounds_of
+from walking_console.planner.motion.body_path import SupportPhase
 from walking_console.planner.motion.body_sway import swayed
+from walking_console.planner.motion.step_builder import changed, holding_plan
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.stability import polygon_margin, support_polygon
 from walking_console.planner.terrain.map import TerrainMap
@@ -146,3 +148,17 @@ def test_a_swaying_walk_loses_a_tenth_of_its_speed_on_average_and_a_quarter_at_m
         lost.append(1.0 - way / seconds / 0.08)
     assert lost[0] <= 0.01
     assert np.mean(lost) <= 0.1 and max(lost) <= 0.25
+
+
+def test_a_shift_on_all_feet_sways_no_farther_to_the_next_support_than_the_legs_reach():
+    stance = standard_stance(TITAN, GAIT, Placement((0.0, 0.0, 0.0), lambda x, y: 0.0, 0.0))
+    x, y, z, yaw = stance.body
+    lowest = [leg.y[0] - TITAN.overreach[1] for leg in TITAN.legs]
+    feet = zip(stance.feet, lowest, strict=True)
+    near = min(foot[1] - y - low for foot, low in feet) - 0.015  # 15 mm to the left are left
+    stance = replace(stance, body=(x, y + near, z, yaw))
+    shift = changed(holding_plan(stance), times=np.array((0.0, 2.0)), speed=0.08)
+    beside = [(x + dx, y + near + dy) for dx, dy in ((-0.5, 0.0), (0.5, 0.0), (0.5, 0.4))]
+    support = SupportPhase(0.5, 1.5, tuple(beside), *2 * (stance.body[:2],))
+    swayed_to = swayed(shift, stance, (support,), GAIT, TITAN).end.sway[1]
+    assert 0.005 <= swayed_to <= 0.015
