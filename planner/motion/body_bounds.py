@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from ..geometry.polygons import Polygon
 from ..geometry.transforms import XY
-from ..stability import GRAVITY
+from ..stability import GRAVITY, polygon_margin
 from ..types import Gait, Stance
 from .body_path import edges_across
 
@@ -51,6 +51,11 @@ class CarryingFeet(NamedTuple):
     polygon: Polygon  # of the feet that carry meanwhile
     centre: XY  # of gravity from the body, m
     bounds: Bounds
+
+    def margin(self, place: XY) -> float:
+        """How far inside of them the centre of gravity is with the body there, m."""
+        x, y = self.centre
+        return polygon_margin(self.polygon, place[0] + x, place[1] + y)
 
     def slowing(self, place: XY, ahead: XY, bends: XY = (0.0, 0.0)) -> float:
         """The most the body may slow down there, m/s², while its way bends by ``bends``, m/s²; the

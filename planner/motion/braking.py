@@ -19,7 +19,7 @@ import numpy as np
 
 from ..geometry.transforms import XY, Body
 from ..types import TICK, Phase, Point, Stance, StepPlan
-from .body_bounds import CarryingFeet
+from .body_bounds import STEEPEST, CarryingFeet
 from .step_builder import changed
 from .swing import between
 from .swing_profile import cubic_between
@@ -126,13 +126,27 @@ def braking(
 ) -> Braking | None:
     """From ``t`` of a plan that is played at ``pace`` to rest, slowing down as fast as the
     ``carrying`` feet allow at every tick; None for a body that stands.
+
+    One too fast to stop so slows down harder, that it may at least come to rest over its feet.
     """
+    acceleration = carrying.bounds.acceleration
+    for least in (LEAST_SHARE * acceleration, acceleration, max(acceleration, STEEPEST)):
+        way = _braking(plan, t, pace, carrying, (least, yaw_length))
+        if way is None or way.safe or carrying.margin(way.body[-1][:2]) >= 0.0:
+            break
+    return way
+
+
+def _braking(
+    plan: Played, t: float, pace: float, carrying: CarryingFeet, given: tuple[float, float]
+) -> Braking | None:
+    """That with an acceleration, m/s², that it slows down by at ``least`` whatever carries it."""
+    least, yaw_length = given
     rates = [_scaled(plan.velocity_at(t), pace)]
     if pace <= 0.0 or _speed(rates[0], yaw_length) <= STANDS:
         return None
     body = [plan.body_at(t)]
     safe = True
-    least = LEAST_SHARE * carrying.bounds.acceleration
     for _ in range(TICKS_MAX):
         if pace <= 0.0:
             break
@@ -142,7 +156,7 @@ def braking(
         square = pace * pace
         ahead = (velocity[0] / speed, velocity[1] / speed)
         most = carrying.slowing(body[-1][:2], ahead, (square * bends[0], square * bends[1]))
-        safe = safe and most >= least
+        safe = safe and most >= LEAST_SHARE * carrying.bounds.acceleration
         slower = max(0.0, pace - max(most, least) * TICK / speed)
         t += TICK * (pace + slower) / 2.0
         if t > plan.duration:
@@ -150,22 +164,22 @@ def braking(
         pace = slower
         body.append(plan.body_at(t))
         rates.append(_scaled(plan.velocity_at(t), pace))
-    return _straight_on(Braking(body, rates, safe), carrying, yaw_length)
+    return _straight_on(Braking(body, rates, safe), carrying, given)
 
 
-def _straight_on(way: Braking, carrying: CarryingFeet, yaw_length: float) -> Braking:
+def _straight_on(way: Braking, carrying: CarryingFeet, given: tuple[float, float]) -> Braking:
     """The way gone on with straight until the body stands."""
     body = list(way.body)
     rates = list(way.rates)
     safe = way.safe
-    least = LEAST_SHARE * carrying.bounds.acceleration
+    least, yaw_length = given
     speed = _speed(rates[-1], yaw_length)
     for _ in range(TICKS_MAX):
         if speed <= 0.0:
             break
         ahead = (rates[-1][0] / speed, rates[-1][1] / speed)
         most = carrying.slowing(body[-1][:2], ahead)
-        safe = safe and most >= least
+        safe = safe and most >= LEAST_SHARE * carrying.bounds.acceleration
         slower = max(0.0, speed - max(most, least) * TICK)
         now = _scaled(rates[-1], slower / speed)
         x, y, z, yaw = (

@@ -67,6 +67,14 @@ def test_a_body_too_fast_for_the_edge_ahead_of_it_says_so():
     assert not stopped(3, 0.5, support=carried(3, 0.5, 0.012))[2].safe
 
 
+def test_a_body_too_fast_for_the_edge_slows_down_harder_and_rests_inside_of_it_where_it_can():
+    narrow = carried(3, 0.5, 0.005)
+    _, _, way = stopped(3, 0.5, support=narrow)
+    assert not way.safe and narrow.margin(way.body[-1][:2]) >= 0.0
+    edge = carried(3, 0.5, 0.001)
+    assert stopped(3, 0.5, support=edge)[2].seconds <= way.seconds
+
+
 @pytest.mark.parametrize("share", np.linspace(0.05, 0.99, 9))
 @pytest.mark.parametrize("step", [2, 3])
 def test_it_begins_where_the_plan_is_and_ends_at_rest(step, share):
