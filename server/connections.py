@@ -7,9 +7,19 @@ asks for something, and a stop above all, gets in.
 from __future__ import annotations
 
 import logging
+import time
 from asyncio.transports import Transport
+from collections import OrderedDict
 
-from .limits import CONNECTIONS_MAX, CONNECTIONS_PER_ADDRESS, DESCRIPTORS_KEPT
+from .allowance import Allowance
+from .limits import (
+    ADDRESSES_KEPT,
+    CONNECTIONS_MAX,
+    CONNECTIONS_PER_ADDRESS,
+    DESCRIPTORS_KEPT,
+    SOCKETS_BURST,
+    SOCKETS_PER_SECOND,
+)
 from .listening import is_loopback
 
 try:
@@ -32,6 +42,26 @@ def most_connections() -> int:
     return max(16, min(CONNECTIONS_MAX, descriptors - DESCRIPTORS_KEPT))
 
 
+class SocketRate:
+    """How fast each address opens WebSockets; of the newest ``ADDRESSES_KEPT`` that did."""
+
+    def __init__(self) -> None:
+        self._allowances: OrderedDict[str, Allowance] = OrderedDict()
+
+    def __len__(self) -> int:
+        return len(self._allowances)
+
+    def open(self, address: str, now: float) -> bool:
+        """One more at ``now``, s; False when that is too many."""
+        allowance = self._allowances.pop(address, None)
+        if allowance is None:
+            allowance = Allowance(SOCKETS_BURST, SOCKETS_PER_SECOND, now)
+        self._allowances[address] = allowance
+        if len(self._allowances) > ADDRESSES_KEPT:
+            self._allowances.popitem(last=False)
+        return allowance.take(now)
+
+
 class Connections:
     """Who is connected, and who of them has nothing asked; used from the web loop only."""
 
@@ -40,6 +70,7 @@ class Connections:
         self._most_per_address = most_per_address
         self._address: dict[Transport, str] = {}
         self._waiting: dict[Transport, None] = {}  # the one that waits longest first
+        self._sockets = SocketRate()
         self.cut = 0
 
     def __len__(self) -> int:
@@ -59,6 +90,10 @@ class Connections:
     def busy(self, transport: Transport) -> None:
         """It has asked for something."""
         self._waiting.pop(transport, None)
+
+    def may_open_socket(self, transport: Transport) -> bool:
+        """Whether its address may have one more WebSocket just now."""
+        return self._sockets.open(self._address.get(transport, ""), time.monotonic())
 
     def idle(self, transport: Transport) -> None:
         """It has been answered."""

@@ -43,6 +43,8 @@ ADDRESSES_KEPT = 512  # that have shown wrong ones, and as many that have shown 
 
 # WebSockets
 
+SOCKETS_PER_SECOND = 50.0  # new ones of one address; more: stops over HTTP wait behind them
+SOCKETS_BURST = 100.0  # new ones at once: a class that comes back
 WRITE_BUFFER = 32 * 1024  # bytes waiting for a slow client; more, and it sees the past
 SOCKET_FRAME_MAX = 64 * 1024  # bytes of any frame
 PING_EVERY = 5.0  # s

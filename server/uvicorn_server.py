@@ -36,6 +36,10 @@ from .socket_end import ABORT
 
 GRACE = 2  # s open requests get at the end
 LAST_RESORT = 4.5  # s after the signal, whatever is open
+TOO_MANY_SOCKETS = (
+    b"HTTP/1.1 429 Too Many Requests\r\nRetry-After: 1\r\nContent-Length: 0\r\n"
+    b"Connection: close\r\n\r\n"
+)
 END_SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
@@ -89,6 +93,10 @@ class TimedHttp(H11Protocol):
 
     def handle_websocket_upgrade(self, event: Any) -> None:
         self._has_asked()
+        if not _connections_of(self.config).may_open_socket(self.transport):
+            self.transport.write(TOO_MANY_SOCKETS)
+            self.transport.close()
+            return
         super().handle_websocket_upgrade(event)
 
     def on_response_complete(self) -> None:

@@ -31,6 +31,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from viser import _messages
 from websockets.exceptions import ConnectionClosedOK
 
+from .allowance import Allowance
 from .limits import (
     CANVAS_BURST,
     CANVAS_FRAME_MAX,
@@ -192,21 +193,6 @@ class ClientStream:
         self._inbox.put_nowait(frame)
 
 
-class Allowance:
-    """How many messages a client may still send: a burst, refilled as time goes by."""
-
-    def __init__(self, now: float) -> None:
-        self._left = CANVAS_BURST
-        self._counted = now
-
-    def take(self, now: float) -> bool:
-        """One more message; False when it is one too many."""
-        earned = (now - self._counted) * CANVAS_MESSAGES_PER_SECOND
-        self._left = min(CANVAS_BURST, self._left + earned) - 1.0
-        self._counted = now
-        return self._left >= 0.0
-
-
 def may_pass(frame: bytes, *, watches: bool = False) -> bool:
     """True for what a viewer may say: where its camera is, what it clicked, the value of a switch;
     of one that only watches the first and the last, which are its own.
@@ -302,7 +288,8 @@ class ViserBridge:
         """Pass on what may pass, until the client goes or asks too much; the answer is the close
         code.
         """
-        allowance = Allowance(asyncio.get_running_loop().time())
+        begun = asyncio.get_running_loop().time()
+        allowance = Allowance(CANVAS_BURST, CANVAS_MESSAGES_PER_SECOND, begun)
         watches = WATCHES in socket.scope
         while True:
             message = await socket.receive()

@@ -14,9 +14,7 @@ from walking_console.sim.terrain.areas import CellList, cells_in_circle, cells_i
 from ..schemas import CircleArea, RectangleArea, TerrainBody
 from .errors import HTTPProblem
 
-EDITS_A_TICK = (
-    2  # of those that clients ask for; more: ticks come late, each costs some milliseconds
-)
+EDITS_A_TICK = 1  # of those that clients ask for; more: ticks come late
 STROKES_A_TICK = 8  # of the brush, those of the clients counted
 BRUSH_AMOUNT = 0.05  # m, one touch of the page's brush
 

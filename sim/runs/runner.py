@@ -8,6 +8,7 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path, PurePath
 from typing import Any
@@ -306,6 +307,7 @@ def succeeded(summary: dict[str, Any]) -> bool:
     return summary["result"] == "completed" and expected
 
 
+@cache
 def product_version() -> str:
     """The installed version."""
     try:

@@ -5,8 +5,14 @@ from typing import Any, cast
 import pytest
 
 from walking_console.server import connections
-from walking_console.server.connections import Connections, most_connections
-from walking_console.server.limits import CONNECTIONS_MAX, DESCRIPTORS_KEPT
+from walking_console.server.connections import Connections, SocketRate, most_connections
+from walking_console.server.limits import (
+    ADDRESSES_KEPT,
+    CONNECTIONS_MAX,
+    DESCRIPTORS_KEPT,
+    SOCKETS_BURST,
+    SOCKETS_PER_SECOND,
+)
 
 
 class Line:
@@ -80,3 +86,20 @@ def test_there_are_no_more_than_there_are_descriptors_for(monkeypatch: pytest.Mo
         monkeypatch.setattr(resource, "getrlimit", lambda _, n=descriptors: (n, n))
         assert most_connections() == most
     assert connections.resource is resource
+
+
+def test_an_address_opens_sockets_as_fast_as_is_allowed_and_no_faster() -> None:
+    rate = SocketRate()
+    burst = [rate.open("10.0.0.1", 0.0) for _ in range(200)]
+    assert burst == [True] * int(SOCKETS_BURST) + [False] * (200 - int(SOCKETS_BURST))
+    assert rate.open("10.0.0.2", 0.0), "another address has its own"
+    a_second = [rate.open("10.0.0.1", 1.0) for _ in range(200)]
+    assert sum(a_second) == SOCKETS_PER_SECOND
+    assert sum(rate.open("10.0.0.1", 1000.0) for _ in range(200)) == SOCKETS_BURST
+
+
+def test_addresses_that_opened_a_socket_long_ago_are_forgotten() -> None:
+    rate = SocketRate()
+    for number in range(3 * ADDRESSES_KEPT):
+        rate.open(f"10.0.{number}", 0.0)
+    assert len(rate) == ADDRESSES_KEPT

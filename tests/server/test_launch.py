@@ -27,6 +27,7 @@ from walking_console.server.launch import (
     for_the_network,
     log_to_stderr,
 )
+from walking_console.server.limits import SOCKETS_BURST, SOCKETS_PER_SECOND
 from walking_console.server.listening import ServeError, check_token, is_loopback
 from walking_console.server.serve_options import FIRST_SCENARIO, LogLevel, ServeOptions
 
@@ -119,17 +120,38 @@ def test_a_head_that_is_too_long_is_refused_and_the_next_is_answered(tmp_path: P
         assert process.stderr is not None and len(process.stderr.read()) < 10_000
 
 
+def asked_for_a_socket(line: socket.socket, url: str) -> bytes:
+    """How the answer to a handshake of a WebSocket begins; nothing is read of what follows."""
+    line.sendall(
+        f"GET /drive HTTP/1.1\r\nHost: {url[7:]}\r\nConnection: Upgrade\r\n"
+        f"Upgrade: websocket\r\nOrigin: {url}\r\nSec-WebSocket-Version: 13\r\n"
+        "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n".encode()
+    )
+    line.settimeout(20.0)
+    return line.recv(12)
+
+
+def test_who_opens_sockets_too_fast_is_refused_and_soon_taken_again(tmp_path: Path) -> None:
+    with served(tmp_path) as (_, url):
+        at = ("127.0.0.1", int(url.rsplit(":", 1)[1]))
+        answers = []
+        begun = time.monotonic()
+        while b"HTTP/1.1 429" not in answers and time.monotonic() < begun + 30.0:
+            with socket.create_connection(at) as line:
+                answers.append(asked_for_a_socket(line, url))
+        assert answers[0] == b"HTTP/1.1 101" and answers[-1] == b"HTTP/1.1 429"
+        assert len(answers) > SOCKETS_BURST
+        assert httpx.post(f"{url}/api/v1/console/stop").status_code == 200
+        time.sleep(2.0 / SOCKETS_PER_SECOND)
+        with socket.create_connection(at) as line:
+            assert asked_for_a_socket(line, url) == b"HTTP/1.1 101"
+
+
 def test_a_driver_that_reads_nothing_loses_its_place(tmp_path: Path) -> None:
     with served(tmp_path) as (_, url):
         port = int(url.rsplit(":", 1)[1])
         with socket.create_connection(("127.0.0.1", port)) as stuck:
-            stuck.sendall(
-                f"GET /drive HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nConnection: Upgrade\r\n"
-                f"Upgrade: websocket\r\nOrigin: {url}\r\nSec-WebSocket-Version: 13\r\n"
-                "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n".encode()
-            )
-            stuck.settimeout(20.0)
-            assert stuck.recv(12) == b"HTTP/1.1 101"
+            assert asked_for_a_socket(stuck, url) == b"HTTP/1.1 101"
             time.sleep(6.0)  # in which it answers no ping
             assert httpx.get(f"{url}/api/v1/health", timeout=30.0).json()["drivers"] == 0
 
