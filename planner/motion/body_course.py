@@ -25,6 +25,7 @@ STILL = 1e-9  # m; a reference that goes no farther stands
 STRAIGHT = 1e-9  # m and rad that a straight reference may be off its line
 NUDGE = 0.01  # m
 SAFE = 0.002  # m of mechanical reach that is left
+HALVES = 5  # of a way onward that leads too far, until there is none
 SLANT_MIN = 0.05  # of the sway along an axis of the body; less is none
 APART = 0.008  # m between places of a reference; nearer ones: see it swing to and fro
 FLAT_MIN = 0.3  # of way over the ground per metre of a reference; one with less turns or climbs
@@ -213,6 +214,16 @@ class Course:
             outside = max(x - x_high - over_x, x_low - over_x - x)
             most = max(most, outside, y - y_high - over_y, y_low - over_y - y)
         return most
+
+    def within_reach(self, length: float) -> float:
+        """A length of the reference, or what of it is left in halves of it until every foot that
+        stands before a leg lifts is within reach, m.
+        """
+        for _ in range(HALVES):
+            if self.beyond(self.at(length), lifted=False) <= -SAFE:
+                return length
+            length /= 2.0
+        return 0.0
 
     def leverage(self, length: float) -> XY:
         """How far the centre of gravity goes when the body sways by a metre: legs stay behind."""

@@ -193,7 +193,7 @@ class _Table:
             return table
         seconds = math.sqrt(6.0 * missing / bounds.acceleration)
         speed = math.hypot(*stance.velocity)
-        onward = min(0.5 * speed * seconds, 0.5 * course.length)
+        onward = course.within_reach(min(0.5 * speed * seconds, 0.5 * course.length))
         return table.after_a_wait(seconds, onward)
 
     def with_times(self, times: Sequence[float]) -> _Table:

@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+from tests.sweeps.seams import walk
 from walking_console.planner.geometry.transforms import point_seen
 from walking_console.planner.types import TICK, Command
 from walking_console.sim.scenario_files import load_scenario
@@ -47,3 +48,9 @@ def test_a_stick_turned_abruptly_leads_no_standing_foot_beyond_reach_or_along(pu
         stands = [a and b for a, b in zip(carried, simulation.walk.carrying(), strict=True)]
         for before, after, stood in zip(feet, simulation.plant.feet, stands, strict=True):
             assert not stood or math.dist(before, after) <= 1e-4
+
+
+def test_stretched_legs_on_the_bank_of_a_river_are_not_drawn_along_before_one_lifts():
+    told = walk("river", "gait.body=sway", "terrain.width=0.5")
+    assert told.ending == ("completed", "distance") and told.falls == 0
+    assert told.slide <= 1e-4
