@@ -18,6 +18,7 @@ from ..types import TICK, Command, Sensing, Stance
 from .execution import Execution
 
 SOON = 0.4  # s; a foot that lands by then is waited for where the body is too fast to stop before
+CREEPS = 1e-9  # m/s; a plan with a slower body is played as slowly as is wanted at once
 SLOWER = 0.5  # of the speed, while a foot slips and for a while after
 
 
@@ -69,8 +70,9 @@ def _in_reach(run: Execution, pace: float) -> float:
     speed = math.hypot(vx, vy, run.machine.yaw_length * turn)
     bends = run.pace * run.pace * run.tracker.acceleration_at(run.t)
     left = max(run.acceleration - bends, LEAST_SHARE * run.acceleration)
-    change = left * TICK / max(speed, STANDS)
-    return min(max(pace, run.pace - change), run.pace + change)
+    slower = left * TICK / max(speed, CREEPS)
+    faster = left * TICK / max(speed, STANDS)
+    return min(max(pace, run.pace - slower), run.pace + faster)
 
 
 def braking_now(run: Execution, sensing: Sensing) -> Braking | None:

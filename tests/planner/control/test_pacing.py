@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from tests.planner.control.plans import AHEAD, execution, sensed, swing_plan
@@ -12,6 +13,7 @@ from walking_console.planner.control.pacing import (
     lands_first,
     pace_for,
 )
+from walking_console.planner.motion.step_builder import changed, holding_plan
 from walking_console.planner.types import TICK, Command
 
 
@@ -91,3 +93,12 @@ def test_a_foot_that_lands_soon_is_waited_for_where_the_body_stops_sooner_on_it_
 def test_a_stick_let_go_keeps_the_pace_of_a_swaying_step_whose_foot_lands_first():
     run = swaying()
     assert pace_for(run, Command()) == run.pace == 1.0
+
+
+def test_a_plan_with_a_body_at_rest_comes_back_to_its_pace_at_once():
+    run = swaying()
+    still = changed(holding_plan(run.stance), times=np.array((0.0, 2.0)), speed=0.002)
+    run.play(replace(still, rates=np.zeros((2, 4))))
+    run.t = 1.0
+    run.pace = 50.0
+    assert pace_for(run, Command(0.0, 0.002)) == 1.0
