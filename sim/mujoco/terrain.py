@@ -18,7 +18,7 @@ from ..terrain.ground import Ground
 from .library import mujoco
 
 LEVELS_MAX = 12  # different heights that are made of boxes; more is relief
-BOXES_MAX = 20_000  # more, see a tick take longer than it lasts
+BOXES_MAX = 60_000  # a tick takes 1 ms for 8,000; more, see it take longer than it lasts
 THICK = 0.5  # m of a box below the lowest level
 PIT = 1.0  # m, depth of a hole in a height field
 GROUND = 1  # contact bit
