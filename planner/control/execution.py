@@ -153,10 +153,9 @@ class Execution:
         plan = self.tracker.plan
         for leg in plan.end.lifted:
             carrying[leg] = leg in plan.swing
-        if not self.on_all_feet:
-            landed = self.reflexes.landed
-            for leg in plan.swing:
-                carrying[leg] = landed[leg]
+        landed = self.reflexes.landed
+        for leg in self.stance.lifted if self.on_all_feet else plan.swing:
+            carrying[leg] = landed[leg]
         return tuple(carrying)
 
     def landed(self, leg: int) -> bool:

@@ -7,7 +7,7 @@ import random
 import pytest
 
 from walking_console.planner.types import Command
-from walking_console.sim.scenario_files import scenario_from
+from walking_console.sim.scenario_files import load_scenario, scenario_from
 from walking_console.sim.simulation import Simulation
 from walking_console.sim.world import prepare
 
@@ -96,3 +96,14 @@ def test_a_leg_that_waited_in_the_air_carries_again_once_it_is_set_down() -> Non
         console.order(Command())
         console.step()
     assert console.walk.stands and console.walk.stance.lifted == () and all(console.plant.soles)
+
+
+def test_a_leg_that_stays_in_the_air_at_the_end_of_a_trace_carries_at_no_tick() -> None:
+    simulation = Simulation(load_scenario("k-turn", ["gait.body=sway"]))
+    simulation.drive(speed=0.15)
+    while not simulation.reason:
+        simulation.step()
+        for foot, carries in zip(simulation.plant.feet, simulation.walk.carrying(), strict=True):
+            assert not carries or foot[2] < 0.05, simulation.tick_count
+    assert simulation.reason == "the trace ends here"
+    assert max(foot[2] for foot in simulation.plant.feet) > 0.05
