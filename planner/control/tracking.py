@@ -130,11 +130,7 @@ class TrajectoryTracker:
     def bending_at(self, t: float) -> tuple[float, float]:
         """How the plan has the body's velocity over the ground change at t, m/s²."""
         stretch = self.stretches[self.stretch(t)]
-        if stretch.bend is None:
-            return 0.0, 0.0
-        (a, b, _, _), (e, f, _, _) = stretch.bend
-        s = min(max(t, 0.0), self.duration) - stretch.start
-        return 2.0 * a + 6.0 * s * e, 2.0 * b + 6.0 * s * f
+        return _bending(stretch, min(max(t, 0.0), self.duration) - stretch.start)
 
     def acceleration_at(self, t: float) -> float:
         """Of the body over the ground, m/s²."""
@@ -344,12 +340,17 @@ def bent(rate: Four, bend: Bend, s: float) -> Four:
     )
 
 
-def _acceleration(stretch: PlanStretch, s: float) -> float:
-    """Of the body over the ground, m/s², so long after the beginning of a stretch."""
+def _bending(stretch: PlanStretch, s: float) -> tuple[float, float]:
+    """How the body's velocity over the ground changes ``s`` seconds into a stretch, m/s²."""
     if stretch.bend is None:
-        return 0.0
+        return 0.0, 0.0
     (a, b, _, _), (e, f, _, _) = stretch.bend
-    return math.hypot(2.0 * a + 6.0 * s * e, 2.0 * b + 6.0 * s * f)
+    return 2.0 * a + 6.0 * s * e, 2.0 * b + 6.0 * s * f
+
+
+def _acceleration(stretch: PlanStretch, s: float) -> float:
+    """Of the body over the ground ``s`` seconds into a stretch, m/s²."""
+    return math.hypot(*_bending(stretch, s))
 
 
 def _fastest(stretch: PlanStretch, seconds: float) -> float:
