@@ -1,9 +1,9 @@
 """The ground plane as pymunk sees it: poles, blocks and steps as shapes; what whiskers and sweeps
 meet; sliding feet.
 
-Seen from above, each obstacle is a shape with a top. pymunk is asked only near one, and stepped
-only while something is loaded. Shapes and bodies are inserted in a fixed order, a slide in a space
-of its own, so runs repeat to the last bit.
+Seen from above, each obstacle is a shape with a top. pymunk is asked only within the bounds of one
+that is tall enough (``nearby``), and stepped only while something is loaded. Shapes and bodies are
+inserted in a fixed order, a slide in a space of its own, so runs repeat to the last bit.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from walking_console.planner.robot.model import Machine
 from walking_console.planner.stability import GRAVITY
 
 from ..terrain.generators import Obstacle
+from .nearby import ASK, Nearby
 from .rest_pose import centroid
 
 # m beyond the rim of the foot: an estimate; longer, see feet shy away from what they could pass
 WHISKER = 0.05
 WHISKERS = 8
 OVER = 0.005  # m; a foot this little below an obstacle's top is on it, not beside it
-PATCH = 0.25  # m, side of the squares that know whether an obstacle is near
 SUBSTEPS = 4  # of a tick while sliding
 STILL = 1e-5  # m/s; a slide slower than this has stopped
 ITERATIONS = 200  # of pymunk's solver; fewer, see a machine pushed off its centre of support creep
@@ -63,24 +63,19 @@ class ContactWorld:
             self._space.add(shape)
             self._tops[shape] = obstacle.top
         self.whisker = machine.foot_radius + WHISKER
-        self._foot_patches = _patches(self.obstacles, self.whisker)
-        self._body_patches = _patches(self.obstacles, _extent(machine))
+        self._near_foot = Nearby(self.obstacles, self.whisker)
+        self._near_body = Nearby(self.obstacles, _extent(machine))
+        self._torso_reach = math.hypot(machine.torso[0], machine.torso[1]) / 2
         self._hips = machine.hips
         self._slide: _Slide | None = None
 
     def near(self, x: float, y: float) -> bool:
         """True when a foot at (x, y) may be within a whisker of something."""
-        return (
-            bool(self._foot_patches)
-            and (math.floor(x / PATCH), math.floor(y / PATCH)) in self._foot_patches
-        )
+        return self._near_foot.any(x, y)
 
     def crowds(self, x: float, y: float) -> bool:
         """True when the torso or a leg of a body at (x, y) may be at something."""
-        return (
-            bool(self._body_patches)
-            and (math.floor(x / PATCH), math.floor(y / PATCH)) in self._body_patches
-        )
+        return self._near_body.any(x, y)
 
     def sweep(self, ax: float, ay: float, bx: float, by: float, z: float) -> SweepHit | None:
         """The first thing standing higher than z on the straight way from a to b, None when it is
@@ -100,6 +95,8 @@ class ContactWorld:
         """Contact mode of a foot's whiskers: one bit per direction of eight, bit 0 along body +x,
         counter-clockwise.
         """
+        if not self._near_foot.within(x, y, self.whisker, z + OVER):
+            return 0
         bits = 0
         for k in range(WHISKERS):
             c, s = direction(yaw + k * (2.0 * math.pi / WHISKERS))
@@ -120,6 +117,9 @@ class ContactWorld:
         body, to its foot.
         """
         hip = placed((body[0], body[1], body[5]), *self._hips[leg])
+        low = min(body[2], foot[2]) + OVER - ASK
+        if not self._near_body.on_the_way(body, hip, foot, low):
+            return False
         hits = self._space.segment_query(hip, (foot[0], foot[1]), 0.0, ANY)
         return any(
             self._tops_of(hit.shape) > body[2] + hit.alpha * (foot[2] - body[2]) + OVER
@@ -127,6 +127,8 @@ class ContactWorld:
         )
 
     def _torso_hits(self, x: float, y: float, bottom: float, yaw: float) -> bool:
+        if not self._near_body.within(x, y, self._torso_reach, bottom):
+            return False
         length, width, _ = self.machine.torso
         c, s = direction(yaw)
         body = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
@@ -269,19 +271,3 @@ def _extent(machine: Machine) -> float:
         for leg in machine.legs
     ]
     return max(math.hypot(x, y) for x, y in (*far, (machine.torso[0] / 2, machine.torso[1] / 2)))
-
-
-def _patches(obstacles: Sequence[Obstacle], margin: float) -> frozenset[tuple[int, int]]:
-    """The squares of side ``PATCH`` within ``margin`` of an obstacle's bounding box."""
-    patches = set()
-    for obstacle in obstacles:
-        r = obstacle.radius
-        xs = [x for x, _ in obstacle.corners] or [obstacle.x - r, obstacle.x + r]
-        ys = [y for _, y in obstacle.corners] or [obstacle.y - r, obstacle.y + r]
-        patches |= {(i, j) for i in _squares(xs, margin) for j in _squares(ys, margin)}
-    return frozenset(patches)
-
-
-def _squares(values: Sequence[float], margin: float) -> range:
-    first = math.floor((min(values) - margin) / PATCH)
-    return range(first, math.floor((max(values) + margin) / PATCH) + 1)
