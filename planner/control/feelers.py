@@ -14,6 +14,8 @@ from .execution import Execution, feet_absolute
 
 AHEAD = 0.5  # cosine of how far aside of its way, 60°, a foot takes what it feels for an obstacle
 LOOKS_ON = 0.1  # s of the plan, over which the way of the foot is told
+CLOSE_BY = 3  # whiskers that touch what stands nearer than ``CLOSE`` of their reach
+CLOSE = math.sqrt(0.5)  # of the reach of one 45° aside, seen straight ahead
 
 
 class Touch(NamedTuple):
@@ -22,6 +24,7 @@ class Touch(NamedTuple):
     event: ContactEvent
     leg: int
     bearing: float | None  # rad, absolute: where it was felt, None if it was not
+    tall: float | None = None  # m, absolute: what stands close beside it is at least so high
 
 
 class Feelers:
@@ -33,6 +36,8 @@ class Feelers:
         self._plan: StepPlan | None = None
         # legs that have been off the ground since the plan began
         self._off: set[int] = set()
+        # leg: how high, m, it was when its whiskers first felt what they still feel close by
+        self._tall: dict[int, float] = {}
 
     def surprise(self, sensing: Sensing, terrain: TerrainMap) -> Touch | None:
         """Case 1 or 3 in the running plan: a swing foot meets what the map does not show, or its
@@ -47,25 +52,26 @@ class Feelers:
                     return Touch(ContactEvent.HIT, leg, felt)
         elif phase is Phase.DOWN:
             for leg in run.plan.swing:
+                self._look_beside(leg, sensing)
                 if sensing.soles[leg] and hangs_over(leg, sensing) and not run.landed(leg):
                     return Touch(ContactEvent.EDGE, leg, hangs_over_towards(leg, sensing))
         return None
 
     def noticed(self, encounter: Encounter, sensing: Sensing, terrain: TerrainMap) -> Touch | None:
         """What has happened in this tick of an encounter, if its table knows it."""
-        bearing = self._felt(encounter.leg, sensing, terrain)
-        event = self._event(encounter, sensing, bearing)
-        return None if event is None else Touch(event, encounter.leg, bearing)
+        leg = encounter.leg
+        self._look_beside(leg, sensing)
+        bearing = self._felt(leg, sensing, terrain)
+        event = self._event(encounter, sensing, terrain, bearing)
+        return None if event is None else Touch(event, leg, bearing, self._tall.get(leg))
 
     def _event(
-        self, encounter: Encounter, sensing: Sensing, bearing: float | None
+        self, encounter: Encounter, sensing: Sensing, terrain: TerrainMap, bearing: float | None
     ) -> ContactEvent | None:
         run = self._run
         phase = run.phase
-        if phase is Phase.DOWN and run.landed(encounter.leg):
-            # better on an edge than nowhere
-            over = hangs_over(encounter.leg, sensing) and encounter.edges < self._settings.edges_max
-            return ContactEvent.EDGE if over else ContactEvent.LANDED
+        if phase is Phase.DOWN and (came := self._came_down(encounter, sensing, terrain)):
+            return came
         drags = self._drags(encounter.leg, sensing)
         if phase is Phase.RETURN and encounter.state in _MOVING_ON:
             if bearing is not None or drags:
@@ -92,6 +98,38 @@ class Feelers:
         """True when the leg is drawn as high as it can be."""
         here = unleaned(self._run.actual(sensing, self._run.plan.end))
         return at_top(here, leg, self._run.machine)
+
+    def _look_beside(self, leg: int, sensing: Sensing) -> None:
+        """Keep how high the foot was when it first felt what stands close beside it."""
+        if sensing.whiskers[leg].bit_count() < CLOSE_BY:
+            if self._tall:
+                self._tall.pop(leg, None)
+        elif leg not in self._tall:
+            self._tall[leg] = feet_absolute(sensing)[leg][2]
+
+    def _came_down(
+        self, encounter: Encounter, sensing: Sensing, terrain: TerrainMap
+    ) -> ContactEvent | None:
+        """Its sole is on: for good, or is that no foothold? Better a bad one than none."""
+        leg = encounter.leg
+        landed = self._run.landed(leg)
+        bad = landed and hangs_over(leg, sensing)
+        bad = bad or self._fell_beside(encounter, sensing, terrain)
+        if bad and encounter.edges < self._settings.edges_max:
+            return ContactEvent.EDGE
+        return ContactEvent.LANDED if landed else None
+
+    def _fell_beside(self, encounter: Encounter, sensing: Sensing, terrain: TerrainMap) -> bool:
+        """True of a foot that went down past what stands close beside it and is not on the map: it
+        missed that, by less than its sole. Whiskers say so at once only: those of a foot that
+        carries feel nothing.
+        """
+        leg = encounter.leg
+        if encounter.state is not FootState.DESCEND or leg not in self._tall:
+            return False
+        if not sensing.soles[leg]:
+            return False
+        return not self._is_shown(feet_absolute(sensing)[leg], terrain)
 
     def _drags(self, leg: int, sensing: Sensing) -> bool:
         """True when a foot that was off the ground drags over it on its way."""
@@ -151,6 +189,15 @@ def hangs_over(leg: int, sensing: Sensing) -> bool:
 def hangs_over_towards(leg: int, sensing: Sensing) -> float | None:
     """Absolute direction in which the sole hangs over."""
     bearing = _mean_bearing(_bearings(sensing.rims[leg] if sensing.rims else 0))
+    return None if bearing is None else bearing + sensing.body[5]
+
+
+def stands_beside(leg: int, sensing: Sensing) -> float | None:
+    """Absolute direction of something that stands close beside a foot; None when nothing does."""
+    bits = sensing.whiskers[leg]
+    if bits.bit_count() < CLOSE_BY:
+        return None
+    bearing = _mean_bearing(_bearings(bits))
     return None if bearing is None else bearing + sensing.body[5]
 
 

@@ -7,7 +7,7 @@ from ..terrain.map import TerrainMap
 from ..types import Point
 from .encounter import ContactEvent, Encounter, FootState, ceiling
 from .execution import Execution, feet_absolute
-from .feelers import Touch, felt_towards, hangs_over_towards
+from .feelers import CLOSE, Touch, felt_towards, hangs_over_towards, stands_beside
 from .touch_memory import CellSet, Felt, cell_of, cells_ahead, cells_near, edge_cells
 from .walk_state import Now
 
@@ -42,12 +42,31 @@ class TouchLessons:
         if encounter is not None and _bars_the_way(touch.event, encounter):
             self._learn_a_bar(touch, encounter, now)
         elif touch.event is ContactEvent.EDGE:
-            edge = hangs_over_towards(touch.leg, now.sensing)
-            along = set() if edge is None else self._edge(foot, edge, now.terrain)
-            self.felt.prohibited |= along | under
+            self._learn_a_bad_foothold(touch, now)
         elif touch.event is ContactEvent.NO_GROUND and placing:
             self.felt.prohibited |= under
             self.felt.dig(under)
+
+    def _learn_a_bad_foothold(self, touch: Touch, now: Now) -> None:
+        """It is on an edge, or close beside what stands taller: cells along either are prohibited,
+        and what stands beside it is at least as high as it was first felt.
+        """
+        foot = feet_absolute(now.sensing)[touch.leg]
+        self.felt.prohibited |= cell_of(foot, now.terrain)
+        edge = hangs_over_towards(touch.leg, now.sensing)
+        wall = stands_beside(touch.leg, now.sensing)
+        if edge is not None:
+            self.felt.prohibited |= self._edge(foot, edge, now.terrain)
+        elif wall is not None and touch.tall is not None:
+            radius = self._run.machine.foot_radius
+            length = self._settings.edge_length
+            size = length, radius
+            self.felt.prohibited |= cells_ahead(foot, wall, now.terrain, size)
+            reach = CLOSE * (radius + self._settings.whisker_tip)
+            x, y = placed((foot[0], foot[1], wall), reach, 0.0)
+            size = length, self._settings.edge_depth
+            beyond = cells_ahead((x, y, foot[2]), wall, now.terrain, size)
+            self.felt.raise_to(beyond, touch.tall)
 
     def _learn_a_bar(self, touch: Touch, encounter: Encounter, now: Now) -> None:
         """What a leg cannot be drawn over, or what kept a foot from its place."""

@@ -33,8 +33,11 @@ def test_six_legs_cross_sparse_ground_that_is_seen_late_or_only_felt(
 
 @pytest.mark.parametrize("name", ["fig15", "fig17-up", "fig17-down"])
 @pytest.mark.parametrize("rise", [0.10, 0.15, 0.20])
-def test_stairs_are_walked_by_touch_alone_in_the_papers_mode(name: str, rise: float) -> None:
-    told = walk(name, "sensing=none", "mode=paper", f"terrain.rise={rise}")
+@pytest.mark.parametrize("body", ["straight", "sway"])
+def test_stairs_are_walked_by_touch_alone_in_the_papers_mode(
+    name: str, rise: float, body: str
+) -> None:
+    told = walk(name, "sensing=none", "mode=paper", f"terrain.rise={rise}", f"gait.body={body}")
     assert told.ending == ("completed", "distance")
     assert told.forbidden == 0 and told.encounters.get("hit", 0) <= 15
     assert_stands_well(told)

@@ -90,3 +90,38 @@ def test_what_happens_in_an_encounter(state, t, landed, event):
     walk.run.reflexes = walk.run.reflexes._replace(landed=(landed, False, False, False))
     touch = Feelers(walk.run).noticed(Encounter(state, 0, FEET[0]), sensed(), GROUND)
     assert (None if touch is None else touch.event) is event
+
+
+BESIDE = 0b10000011  # straight ahead and on both sides of it
+
+
+LOW = TerrainMap(GROUND.heights - 1.0, GROUND.forbidden, GROUND.cell, GROUND.origin)
+
+
+def gone_down(whiskers, terrain=LOW, state=FootState.DESCEND):
+    """What is told of foot 0 that touches ground, 0.1 m after its whiskers felt something."""
+    walk, stance = swinging_at(0.9)
+    feelers = Feelers(walk.run)
+    met = Encounter(state, 0, FEET[0])
+    (x, y, z), *others = stance.feet
+    for height, sole in ((z, False), (z - 0.1, True)):
+        feet = ((x, y, height), *others)
+        sensing = sensed(body=(*stance.body[:3], 0.0, 0.0, 0.0), feet=feet)
+        sensing = sensing._replace(whiskers=(whiskers, 0, 0, 0), soles=(sole, *sensing.soles[1:]))
+        touch = feelers.noticed(met, sensing, terrain)
+    return touch, z
+
+
+def test_a_foot_that_went_down_close_beside_something_tall_is_on_a_bad_foothold():
+    touch, z = gone_down(BESIDE)
+    assert touch is not None and touch.event is ContactEvent.EDGE
+    assert touch.tall == pytest.approx(z)
+
+
+def test_something_farther_off_or_on_the_map_or_beside_a_foot_as_planned_is_not():
+    for touch, _ in (
+        gone_down(AHEAD_BIT),
+        gone_down(BESIDE, GROUND),
+        gone_down(BESIDE, state=FootState.RETRY),
+    ):
+        assert touch is None

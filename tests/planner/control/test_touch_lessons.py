@@ -71,3 +71,17 @@ def test_a_foothold_that_gave_way_marks_what_lies_within_ten_centimetres_of_it()
         [math.dist(GROUND.centre(r, c), HOME[:2]) <= 0.1 for r in range(160) for c in range(160)]
     )
     assert not felt.heights and not told.take()
+
+
+def test_what_a_foot_went_down_beside_is_as_tall_as_it_was_first_felt_and_its_foot_is_prohibited():
+    told = lessons()
+    tick = at(0.1, -0.1)
+    tick.sensing = tick.sensing._replace(whiskers=(0b10000011, 0, 0, 0))
+    told.learn(Touch(ContactEvent.EDGE, 0, None, 0.05), None, True, tick)
+    felt = told.take()
+    x = HOME[0] + 0.1
+    places = [GROUND.centre(*cell)[0] for cell in felt.heights]
+    assert places and min(places) > x + 0.03 and set(felt.heights.values()) == {0.05}
+    strip = [GROUND.centre(*cell) for cell in felt.prohibited]
+    assert all(abs(a - x) < 0.03 + GROUND.cell for a, _ in strip)
+    assert max(b for _, b in strip) - min(b for _, b in strip) == pytest.approx(0.3, abs=0.05)
