@@ -210,12 +210,16 @@ class KinematicPlant:
         for leg in tuple(q.free):
             if not q.soles[leg]:
                 continue
+            foot = q.feet[leg]
+            height = q.ground.height_at(foot[0], foot[1])
+            if not height >= foot[2] - SOLE_GAP:  # its ground has gone since
+                q.soles[leg] = False
+                continue
             x, y, _ = tips[leg]
             px, py = x + motions[leg][0], y + motions[leg][1]
             ax, ay = dx + c * px - s * py, dy + s * px + c * py
             if math.hypot(ax - x, ay - y) <= SCRAPE:
-                foot = q.feet[leg]
-                foot[2] = q.ground.height_at(foot[0], foot[1])
+                foot[2] = height
                 q.carrying = sorted((*q.carrying, leg))
         self._support.take_stock()
 

@@ -284,11 +284,13 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=10)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--only", action="append", default=[], help="text of walks to walk, all")
+    parser.add_argument("--set", action="append", default=[], help="KEY=VALUE for every walk")
     options = parser.parse_args()
     rows: dict[str, list[Told]] = {}
     for name, settings in KINDS[options.kind](range(options.first, options.first + options.seeds)):
         if not all(text in (name, *settings) for text in options.only):
             continue
+        settings = (*settings, *options.set)
         told = walk(name, *settings)
         print(name, *settings, told.line, flush=True)
         kept = (each for each in settings if not each.startswith(VARIED))

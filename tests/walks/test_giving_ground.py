@@ -6,6 +6,7 @@ import math
 
 import pytest
 
+from tests.sweeps.seams import giving, walk
 from walking_console.planner.types import Command, Mode
 from walking_console.sim.scenario_files import load_scenario
 from walking_console.sim.simulation import Simulation
@@ -55,3 +56,14 @@ def test_so_it_is_on_six_legs(plant: str) -> None:
     simulation = walked(plant, "hexapod", 20.0, 27.0)
     assert simulation.walk.contacts.counts == {"gave way": 1}
     assert simulation.distance > 1.7 and simulation.walk.blocked is None
+
+
+def test_no_standing_foot_is_dragged_where_ground_breaks_as_a_foot_comes_down() -> None:
+    [(name, settings)] = (
+        (name, settings)
+        for name, settings in giving(range(18, 19))
+        if "plant=kinematic" in settings and "robot=titan3" in settings
+    )
+    told = walk(name, *settings, "gait.body=sway")
+    assert told.ending == ("completed", "distance") and told.falls == 0
+    assert told.slide <= 0.005

@@ -90,6 +90,14 @@ class TestGround:
         assert plant.soles == [False, True, True, True]
         assert plant.state == "standing"
 
+    def test_ground_that_goes_away_in_the_tick_a_foot_comes_down_leaves_it_hanging(self):
+        plant = run(standing(up={0: 0.01}, x=-0.1, y=-0.1), one_leg(0, (0.0, 0.0, -0.5)), 1)
+        assert plant.soles[0] and plant.carrying == (1, 2, 3)
+        plant.replace_ground(shaped(lambda x, y: -0.2 if x > 0.2 and y > 0.2 else 0.0))
+        run(plant, STILL, 5)
+        assert plant.soles == [False, True, True, True]
+        assert plant.feet[0][2] == pytest.approx(0.0)
+
     def test_ground_that_goes_away_under_a_needed_foot_makes_it_tip(self):
         plant = standing(x=0.1, y=0.1)
         plant.replace_ground(shaped(lambda x, y: math.nan if x > 0.2 and y > 0.2 else 0.0))
