@@ -1,10 +1,10 @@
 """Who carries what: the centre of gravity of body and legs, and the load of every foot.
 
-Statics only: a body at rest, or moving evenly, on its feet. Points are m, forces N; the weight acts
-straight down. On three feet the loads are exact. More feet are statically indeterminate: of all
-loads that balance the weight and press, those with the least squares are taken, which is what legs
-of one stiffness would carry. Feet on their way up or down count less and less, so that loads are
-continuous over lift-off and touch-down.
+Statics: a body at rest, or moving evenly, on its feet; of one that speeds up take its zero-moment
+point for its centre. Points are m, forces N; the weight acts straight down. On three feet the loads
+are exact. More feet are statically indeterminate: of all loads that balance the weight and press,
+those with the least squares are taken, which is what legs of one stiffness would carry. Feet on
+their way up or down count less and less, so that loads are continuous over lift-off and touch-down.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from .robot.chains import LegChain, Masses
 from .robot.kinematics import inverse, leg_moment, solved
 from .robot.model import Machine
 from .simplex import least_cost
+from .stability import GRAVITY
 
 # s over which a leg takes its load up or gives it away; shorter, see the body jolt at lift-off,
 # longer, see the leg that lifts leave the others less time
@@ -56,6 +57,12 @@ def centre_of_gravity(machine: Machine, feet_b: Sequence[Point]) -> Point:
         z += lz
         whole += leg
     return x / whole, y / whole, z / whole
+
+
+def zero_moment_point(centre: XY, height: float, acceleration: XY) -> XY:
+    """Where feet must push for a centre of gravity so far above them, m, to speed up so, m/s²."""
+    lever = height / GRAVITY
+    return centre[0] - lever * acceleration[0], centre[1] - lever * acceleration[1]
 
 
 def _moment_of_leg(chain: LegChain, masses: Masses, foot: Point) -> Point:

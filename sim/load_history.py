@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
+from walking_console.planner.geometry.transforms import XY, left_fold_sum
 from walking_console.planner.robot.model import Machine
 from walking_console.planner.stability import GRAVITY
-from walking_console.planner.statics import RAMP, load_share, planned_loads
+from walking_console.planner.statics import RAMP, load_share, planned_loads, zero_moment_point
 from walking_console.planner.types import TICK
 
 from .margins import true_centre
 
 _Floats = NDArray[np.float64]
+
+AROUND = 3  # ticks before and after one that its acceleration is taken from
+JUMPS = 1.5  # m/s²; what speeds up more is a jump of a body that goes straight: no leg follows it
 
 
 def shares_over(support: NDArray[np.bool_], ramp: float = RAMP) -> NDArray[np.float64]:
@@ -43,12 +48,52 @@ def _stance_shares(begin: int, end: int, ticks: int, ramp: float) -> list[float]
     ]
 
 
-def loads_over(machine: Machine, body: _Floats, feet: _Floats, shares: _Floats) -> _Floats:
-    """What every foot carries, (T, n) N, for rows of body (T, 6), feet (T, n, 3) and how much each
-    counts as carrying: ``planned_loads`` row by row, all at once where no foot is let go of.
+def accelerations(body: _Floats) -> _Floats:
+    """How the velocity of a body, rows (T, 6) a tick apart, changes over the ground, (T, 2) m/s²;
+    none where it jumps.
     """
-    rows = zip(body.tolist(), feet.tolist(), strict=True)
-    centres = np.array([true_centre(machine, *row)[:2] for row in rows]).reshape(-1, 2)
+    changes = np.zeros((len(body), 2))
+    if len(body) <= 2 * AROUND:
+        return changes
+    place = body[:, :2]
+    bent = place[2 * AROUND :] - 2.0 * place[AROUND:-AROUND] + place[: -2 * AROUND]
+    changes[AROUND:-AROUND] = bent / (AROUND * TICK) ** 2
+    at_once = np.diff(place, n=2, axis=0) / TICK**2
+    jumps = np.nonzero(np.hypot(at_once[:, 0], at_once[:, 1]) > JUMPS)[0] + 1
+    for tick in jumps.tolist():
+        changes[max(tick - AROUND, 0) : tick + AROUND + 1] = 0.0
+    return changes
+
+
+def pushed_at(
+    machine: Machine,
+    body: Sequence[float],
+    feet: Sequence[Sequence[float]],
+    acceleration: XY,
+    shares: Sequence[float],
+) -> XY:
+    """The zero-moment point of a machine whose body speeds up so, m/s², on the feet that carry."""
+    x, y, z = true_centre(machine, body, feet)
+    heights = [foot[2] for foot, share in zip(feet, shares, strict=True) if share > 0.0]
+    height = z - left_fold_sum(heights) / len(heights) if heights else 0.0
+    return zero_moment_point((x, y), height, acceleration)
+
+
+def loads_over(
+    machine: Machine,
+    body: _Floats,
+    feet: _Floats,
+    shares: _Floats,
+    changes: _Floats | None = None,
+) -> _Floats:
+    """What every foot carries, (T, n) N, for rows of body (T, 6), feet (T, n, 3), how much each
+    counts as carrying and how the body speeds up (T, 2): ``planned_loads`` row by row, all at once
+    where no foot is let go of.
+    """
+    if changes is None:
+        changes = np.zeros((len(body), 2))
+    rows = zip(body.tolist(), feet.tolist(), changes.tolist(), shares.tolist(), strict=True)
+    centres = np.array([pushed_at(machine, *row) for row in rows]).reshape(-1, 2)
     weight = machine.mass * GRAVITY
     arms = np.concatenate(
         [np.ones((*shares.shape, 1)), feet[:, :, :2] - centres[:, None, :]], axis=2

@@ -124,6 +124,21 @@ class CompliantController:
             self._schedule.foresee(following)
         self._following = following
 
+    def idle(self, t: float) -> tuple[int, ...]:
+        """Legs that carry next to nothing at ``t`` and as soon as loads are shifted after it."""
+        if self._schedule is None:
+            return ()
+        least = UNLOADED * left_fold_sum(self.loads) / len(self.loads)
+        soon = self._schedule.at(t + RAMP)
+        both = zip(self.loads, soon, strict=True)
+        return tuple(leg for leg, (now, then) in enumerate(both) if max(now, then) < least)
+
+    def presses(self, legs: Sequence[int]) -> bool:
+        """True while the loads of the plan before are not all taken over and ``legs`` press."""
+        even = left_fold_sum(self.loads) / len(self.loads)
+        begins = self._schedule is None or self._blend > 0.0
+        return begins and any(self.loads[leg] > UNLOADED * even for leg in legs)
+
     def _wanted(self, tracker: TrajectoryTracker, t: float) -> Sequence[float]:
         """What the legs are to carry. A plan that begins otherwise than the last one ended takes
         the loads over from it.

@@ -88,7 +88,7 @@ class Execution:
         if self.compliant is not None:
             left = self.tracker.duration - self.t
             self.compliant.take_over(self.tracker, left / max(self.pace, 1.0))
-        self.tracker = TrajectoryTracker(plan)
+        self.tracker = TrajectoryTracker(plan, self.stance.lifted)
         self.reflexes = self.reflexes.next_step()
         self.t = 0.0
         self._felt_on = 0

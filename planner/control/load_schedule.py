@@ -1,4 +1,5 @@
-"""What every leg is to carry while a plan runs: statics of the planned body on its planned feet.
+"""What every leg is to carry while a plan runs: statics of the planned body on its planned feet,
+with what its speeding up and slowing down shifts from foot to foot.
 
 Loads are worked out once a plan, at its knots and between, and interpolated. They are continuous
 over touch-down and lift-off: a foot takes its load up over ``statics.RAMP`` after it has come down
@@ -11,10 +12,17 @@ import math
 from bisect import bisect_right
 from collections.abc import Mapping
 
-from ..geometry.transforms import attitude_of, rotation, turned_back_by, turned_by
+from ..geometry.transforms import (
+    XY,
+    attitude_of,
+    left_fold_sum,
+    rotation,
+    turned_back_by,
+    turned_by,
+)
 from ..robot.model import Machine
 from ..stability import GRAVITY
-from ..statics import RAMP, centre_of_gravity, load_share, planned_loads
+from ..statics import RAMP, centre_of_gravity, load_share, planned_loads, zero_moment_point
 from ..types import Phase, Point, StepPlan
 from .tracking import TrajectoryTracker
 
@@ -57,8 +65,9 @@ class LoadSchedule:
         """Legs that rise as soon as the plan ``following`` this one begins give their loads away in
         time.
         """
-        rising = [leg for leg in following.swing if leg not in self._tracker.plan.end.lifted]
-        first = TrajectoryTracker(following).stretches[0]
+        lifted = self._tracker.plan.end.lifted
+        rising = [leg for leg in following.swing if leg not in lifted]
+        first = TrajectoryTracker(following, lifted).stretches[0]
         for leg in rising:
             if leg in first.air:
                 self._leaving[leg] = self._tracker.duration
@@ -102,15 +111,23 @@ class LoadSchedule:
     def _worked_out(self, t: float) -> tuple[float, ...]:
         machine = self._machine
         tracker = self._tracker
-        x, y, _, yaw = tracker.body_at(t)
-        roll, pitch = attitude_of(tracker.lean_at(t), yaw) if tracker.leans else (0.0, 0.0)
-        centre = turned_by(
-            rotation(roll, pitch, yaw), centre_of_gravity(machine, body_frame_feet(tracker, t))
-        )
         feet = [tracker.foot_at(leg, t) for leg in range(len(machine.legs))]
         shares = [self._share(leg, t) for leg in range(len(machine.legs))]
+        heights = [foot[2] for foot, share in zip(feet, shares, strict=True) if share > 0.0]
+        ground = left_fold_sum(heights) / len(heights) if heights else 0.0
         weight = machine.mass * GRAVITY
-        return planned_loads(weight, (x + centre[0], y + centre[1]), feet, shares).newtons
+        return planned_loads(weight, self._pushed_at(t, ground), feet, shares).newtons
+
+    def _pushed_at(self, t: float, ground: float) -> XY:
+        """The zero-moment point over feet at this height, m."""
+        tracker = self._tracker
+        x, y, z, yaw = tracker.body_at(t)
+        roll, pitch = attitude_of(tracker.lean_at(t), yaw) if tracker.leans else (0.0, 0.0)
+        cx, cy, cz = turned_by(
+            rotation(roll, pitch, yaw),
+            centre_of_gravity(self._machine, body_frame_feet(tracker, t)),
+        )
+        return zero_moment_point((x + cx, y + cy), z + cz - ground, tracker.bending_at(t))
 
     def _share(self, leg: int, t: float) -> float:
         """How much a leg counts as carrying, 0 to 1."""

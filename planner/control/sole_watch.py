@@ -1,5 +1,5 @@
 """No leg is lifted while a foot that is meant to carry has no ground or no load (Level C, any
-planner).
+planner), nor, from a standstill, before it has given its own load away.
 
 Such a leg reaches for the ground by itself, C2 of (36). It is waited for; when that does not help,
 it is let down like one that found no ground at the end of its step.
@@ -13,6 +13,8 @@ from ..types import Sensing
 from .contact_reflexes import ContactReflexes
 from .execution import Execution
 from .walk_state import Now, WalkState
+
+SLOWEST = 1e-6  # m/s and rad/s; a body that begins a plan slower rests
 
 
 class SoleWatch:
@@ -41,6 +43,8 @@ class SoleWatch:
         run = self._run
         for time, legs, stand in run.tracker.rises:
             if run.t <= time < t_next and any(leg not in run.stance.lifted for leg in legs):
+                if run.t == 0.0 and shifts_loads(run, legs):
+                    return True
                 waits = self._waits_for(not_carrying(run, now.sensing, stand), now)
                 if waits and self._state.steps:
                     run.pace = 0.0
@@ -60,8 +64,12 @@ class SoleWatch:
 
 def not_carrying(run: Execution, sensing: Sensing, legs: Sequence[int]) -> list[int]:
     """Those of ``legs`` whose soles are off, or that press with less than their share
-    (``contact.load_share``) of the planned load where loads are sensed.
+    (``contact.load_share``) of the planned load where loads are sensed; but not those that are to
+    carry next to nothing.
     """
+    if run.compliant is not None:
+        idle = run.compliant.idle(run.t)
+        legs = [leg for leg in legs if leg not in idle]
     hanging = [leg for leg in legs if not sensing.soles[leg]]
     if run.compliant is None or not sensing.loads:
         return hanging
@@ -69,3 +77,13 @@ def not_carrying(run: Execution, sensing: Sensing, legs: Sequence[int]) -> list[
     least = run.config.contact.load_share
     light = [leg for leg in legs if sensing.loads[leg] < least * planned[leg]]
     return sorted({*hanging, *light})
+
+
+def shifts_loads(run: Execution, legs: Sequence[int]) -> bool:
+    """True while a body that begins its plan at rest still has loads to shift before ``legs``
+    rise.
+    """
+    if run.compliant is None or run.tracker.plan.rates is None:
+        return False
+    rests = max(map(abs, run.tracker.velocity_at(0.0))) < SLOWEST
+    return rests and run.compliant.presses(legs)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
 from ..geometry.transforms import Body, attitude_of, direction, left_fold_sum
@@ -42,7 +42,9 @@ class PlanStretch(NamedTuple):
 
 
 class TrajectoryTracker:
-    """A ``StepPlan`` made ready to be evaluated tick by tick."""
+    """A ``StepPlan`` made ready to be evaluated tick by tick; ``lifted`` are the legs that are in
+    the air when it begins.
+    """
 
     __slots__ = (
         "plan",
@@ -56,14 +58,15 @@ class TrajectoryTracker:
         "_paces",
     )
 
-    def __init__(self, plan: StepPlan) -> None:
+    def __init__(self, plan: StepPlan, lifted: Collection[int] = ()) -> None:
         times = plan.times.tolist()
         body = plan.body.tolist()
         feet = plan.feet.tolist()
         self.plan = plan
         self.duration: float = times[-1]
         self._times: list[float] = times
-        self.stretches = [_stretch(plan, k, times, body, feet) for k in range(len(times) - 1)]
+        rows = _Knots(times, body, feet)
+        self.stretches = [_stretch(plan, k, rows, lifted) for k in range(len(times) - 1)]
         if plan.rates is not None:
             rates = [_four(row) for row in plan.rates.tolist()]
             self.stretches = [
@@ -234,19 +237,21 @@ class TrajectoryTracker:
         return t, seconds
 
 
-def _stretch(
-    plan: StepPlan,
-    k: int,
-    times: list[float],
-    body: list[list[float]],
-    feet: list[list[list[float]]],
-) -> PlanStretch:
+class _Knots(NamedTuple):
+    """The knots of a plan as plain floats."""
+
+    times: list[float]
+    body: list[list[float]]
+    feet: list[list[list[float]]]
+
+
+def _stretch(plan: StepPlan, k: int, knots: _Knots, lifted: Collection[int]) -> PlanStretch:
+    times, body, feet = knots
     phase = plan.phases[k]
     air = plan.swing
-    # a supporting foot does not move in the absolute frame; one that waits in the air goes with the
-    # body
+    # a supporting foot does not move in the absolute frame; one that waits in the air may
     if phase is Phase.SUPPORT:
-        air = tuple(leg for leg in air if feet[k][leg] != feet[k + 1][leg])
+        air = tuple(leg for leg in air if leg in lifted or feet[k][leg] != feet[k + 1][leg])
     stand = tuple(leg for leg in range(len(feet[0])) if leg not in air)
     duration = times[k + 1] - times[k]
     per_second = 1.0 / duration if duration > 0.0 else 0.0

@@ -1,14 +1,14 @@
 """A recorded walk played again by rigid bodies, open loop: do its footholds and its motion stand?
 
 The servos follow the feet as the run has them in body axes, tick by tick, whatever the bodies do
-meanwhile; with planned loads they also press with what statics says each leg should carry. Nothing
-looks at a sensor, so that what falls here is the plan's fault or the legs', never a controller's.
+meanwhile; with planned loads they also press with what each leg should carry, by statics and by how
+the body speeds up. Nothing looks at a sensor, so that what falls here is the plan's fault or the
+legs', never a controller's.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,17 +20,13 @@ from walking_console.planner.geometry.transforms import (
     left_fold_sum,
     rotation,
     turned_back_by,
-    turned_by,
 )
 from walking_console.planner.robot.model import Machine
 from walking_console.planner.stability import GRAVITY
-from walking_console.planner.statics import (
-    centre_of_gravity,
-    planned_loads,
-)
+from walking_console.planner.statics import planned_loads
 from walking_console.planner.types import TICK, Stance
 
-from ..load_history import shares_over
+from ..load_history import accelerations, pushed_at, shares_over
 from ..terrain.ground import Ground
 from .plant import PhysicsPlant
 from .settings import Physics
@@ -92,15 +88,6 @@ class Verdict:
         return self.fell is None and self.hang <= TRUE_HANG and self.end_error <= TRUE_END
 
 
-def loads_at(recording: Recording, tick: int, shares: Sequence[float]) -> tuple[float, ...]:
-    """What every foot should carry at a tick of the plan, N."""
-    turn = recording.attitude(tick)
-    feet_b = recording.feet_b(tick)
-    x, y, _ = turned_by(turn, centre_of_gravity(recording.machine, feet_b))
-    feet = [turned_by(turn, foot) for foot in feet_b]
-    return planned_loads(recording.machine.mass * GRAVITY, (x, y), feet, shares).newtons
-
-
 class Reenactment:
     """One walk played again: ``play`` it, then read the ``verdict``."""
 
@@ -112,6 +99,7 @@ class Reenactment:
         self.verdict = Verdict()
         self._press = press
         self._shares = shares_over(recording.support)
+        self._changes = accelerations(recording.body)
         self._landed: list[Point | None] = [None] * len(recording.machine.legs)
 
     def play(self, ticks: int | None = None) -> Verdict:
@@ -129,10 +117,19 @@ class Reenactment:
         self._judge_end(min(last, round(self.verdict.seconds / TICK)) - 1)
         return self.verdict
 
+    def planned_loads(self, tick: int) -> tuple[float, ...]:
+        """What every foot should carry at a tick of the walk, N."""
+        recording = self.recording
+        shares = self._shares[tick].tolist()
+        feet = recording.feet[tick].tolist()
+        ax, ay = self._changes[tick].tolist()
+        place = pushed_at(recording.machine, recording.body[tick].tolist(), feet, (ax, ay), shares)
+        return planned_loads(recording.machine.mass * GRAVITY, place, feet, shares).newtons
+
     def _act(self, tick: int) -> None:
         loads = None
         if self._press:
-            loads = loads_at(self.recording, tick, self._shares[tick].tolist())
+            loads = self.planned_loads(tick)
         self.plant.follow(self.recording.feet_b(tick), loads)
 
     def _judge(self, tick: int) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from walking_console.planner.robot.model import Machine
-from walking_console.sim.load_history import loads_over, shares_over
+from walking_console.sim.load_history import accelerations, loads_over, shares_over
 from walking_console.sim.simulation import Simulation
 
 Columns = dict[str, NDArray[Any]]
@@ -46,7 +46,8 @@ class LegLog:
             columns["true_body"] = body  # odometry may drift: the body logged is the true one
         else:
             shares = shares_over(log["support"])
-            columns["planned_loads"] = loads_over(self.machine, body, feet, shares)
+            changes = accelerations(body)
+            columns["planned_loads"] = loads_over(self.machine, body, feet, shares, changes)
         if len(self._loads) == rows * legs > 0:
             columns["loads"] = np.array(self._loads).reshape(rows, legs)
         else:

@@ -9,6 +9,7 @@ from walking_console.planner.control.foot_controller import ReflexState
 from walking_console.planner.control.tracking import TrajectoryTracker
 from walking_console.planner.motion.step_builder import holding_plan
 from walking_console.planner.stability import GRAVITY
+from walking_console.planner.statics import RAMP
 from walking_console.planner.types import TICK, Sensing, Stance
 
 TITAN = load_machine("titan3")
@@ -90,3 +91,26 @@ def test_a_rigid_motion_is_found_again_in_what_it_does():
     moves = [(0.1 - 0.2 * y, 0.3 + 0.2 * x, 0.5) for x, y, _ in spots]
     found = RigidMotion.nearest(spots, moves)
     assert [found.at(spot) for spot in spots] == [pytest.approx(move) for move in moves]
+
+
+def test_it_says_which_legs_press_until_the_loads_of_the_plan_before_are_taken_over():
+    aside = TrajectoryTracker(holding_plan(Stance((0.2, 0.1, TITAN.height, 0.0), FEET)))
+    controller = CompliantController(TITAN, PlannerConfig())
+    controller.velocities(STANDING, 0.0, reading(), ReflexState.begin(4))
+    controller.take_over(aside, 1.0)
+    assert controller.presses([0]) and not controller.presses([])
+    ticks = 0
+    while controller.presses([0]):
+        controller.velocities(aside, 0.0, reading(), ReflexState.begin(4))
+        ticks += 1
+    assert ticks * TICK == pytest.approx(RAMP, abs=TICK)
+
+
+def test_a_leg_is_idle_only_where_the_plan_has_it_carry_nothing():
+    over_three = Stance((0.0, 0.0, TITAN.height, 0.0), FEET, lifted=(0,))
+    controller = CompliantController(TITAN, PlannerConfig())
+    assert controller.idle(0.0) == ()
+    standing = TrajectoryTracker(holding_plan(over_three), (0,))
+    for _ in range(20):
+        controller.velocities(standing, 0.0, reading(), ReflexState.begin(4))
+    assert 0 in controller.idle(0.0) and 1 not in controller.idle(0.0)

@@ -1,8 +1,10 @@
 """What every leg is to carry while a plan runs."""
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 
+import numpy as np
 import pytest
 
 from walking_console import Command, StepPlanner, load_machine
@@ -10,9 +12,10 @@ from walking_console.planner.control.load_schedule import LoadSchedule, body_fra
 from walking_console.planner.control.tracking import TrajectoryTracker
 from walking_console.planner.motion.step_builder import holding_plan
 from walking_console.planner.stability import GRAVITY
+from walking_console.planner.statics import centre_of_gravity
 from walking_console.planner.types import Stance
 
-from .plans import flat
+from .plans import FEET, flat, swing_plan
 
 TITAN = load_machine("titan3")
 WEIGHT = TITAN.mass * GRAVITY
@@ -63,6 +66,31 @@ def test_loads_do_not_jump_within_a_step_nor_from_one_to_the_next():
                 assert max(abs(a - b) for a, b in zip(loads, last, strict=True)) < 0.05 * WEIGHT
             last = loads
         since = schedule.since_landing()
+
+
+def test_a_leg_lifted_before_the_plan_carries_nothing_while_the_others_shift_the_body():
+    plan = swing_plan()
+    feet = plan.feet.copy()
+    feet[:2, 0, 2] = 0.1
+    tracker = TrajectoryTracker(replace(plan, feet=feet), (0,))
+    assert LoadSchedule(tracker, TITAN).at(0.1)[0] == 0.0
+
+
+def test_a_body_that_speeds_up_presses_on_the_feet_behind_it_more():
+    plan = swing_plan(advance=0.0)
+    rates = np.zeros((5, 4))
+    rates[1, 0] = 0.1
+    body = plan.body.copy()
+    body[1:, 0] = 0.05 * 0.25
+    speeding = TrajectoryTracker(replace(plan, body=body, rates=rates))
+    t = 0.01
+    ax, _ = speeding.bending_at(t)
+    assert ax == pytest.approx(0.4, abs=1e-9)
+    loads = LoadSchedule(speeding, TITAN).at(t)
+    still = LoadSchedule(TrajectoryTracker(plan), TITAN).at(t)
+    moment = sum((a - b) * foot[0] for a, b, foot in zip(loads, still, FEET, strict=True))
+    height = TITAN.height + centre_of_gravity(TITAN, body_frame_feet(speeding, t))[2]
+    assert moment == pytest.approx(-TITAN.mass * ax * height, rel=0.02)
 
 
 def test_feet_are_seen_from_the_body_as_the_plan_has_it():

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from tests.planner.control.plans import Scripted, now, sensed, state_with, swing_plan
@@ -10,6 +11,8 @@ from walking_console.planner.control.activities import Activity, Event
 from walking_console.planner.control.contact_reflexes import ContactReflexes
 from walking_console.planner.control.encounter import FootState
 from walking_console.planner.control.sole_watch import SoleWatch, not_carrying
+from walking_console.planner.motion.step_builder import changed
+from walking_console.planner.types import Phase
 
 HANGING = (True, False, True, True)
 WAIT = Contact().wait_for_sole
@@ -56,10 +59,20 @@ def test_a_leg_lifted_on_purpose_is_no_reason_to_wait():
     assert not soles.keeps_standing(now(soles=HANGING))
 
 
-def test_a_leg_that_presses_with_less_than_a_tenth_of_its_load_does_not_carry():
-    class Loads:
-        loads = (200.0, 200.0, 0.0, 200.0)
+class Loads:
+    """What a controller says of loads, N; ``still`` legs that press though they are to rise."""
 
+    loads = (200.0, 200.0, 0.0, 200.0)
+    still = ()
+
+    def idle(self, t):
+        return tuple(leg for leg, load in enumerate(self.loads) if load == 0.0)
+
+    def presses(self, legs):
+        return any(leg in self.still for leg in legs)
+
+
+def test_a_leg_that_presses_with_less_than_a_tenth_of_its_load_does_not_carry():
     state, _, _ = watch()
     state.run.compliant = Loads()
     light = sensed()._replace(loads=(200.0, 15.0, 0.0, 25.0))
@@ -68,3 +81,24 @@ def test_a_leg_that_presses_with_less_than_a_tenth_of_its_load_does_not_carry():
     assert not_carrying(state.run, hanging, range(4)) == [1, 3]
     state.run.compliant = None
     assert not_carrying(state.run, light, range(4)) == []
+
+
+def test_a_leg_that_is_to_carry_nothing_may_hang():
+    state, _, _ = watch()
+    hanging = sensed()._replace(soles=(True, True, False, True), loads=(200.0, 200.0, 0.0, 200.0))
+    assert not_carrying(state.run, hanging, range(4)) == [2]
+    state.run.compliant = Loads()
+    assert not_carrying(state.run, hanging, range(4)) == []
+
+
+def test_from_a_standstill_a_leg_stays_down_until_it_has_given_its_load_away():
+    state, _, soles = watch()
+    lifting = swing_plan(advance=0.0)
+    phases = (Phase.UP, Phase.UP, *lifting.phases[2:])
+    state.run.play(changed(lifting, phases=phases, rates=np.zeros((5, 4))))
+    state.run.compliant = Loads()
+    assert not soles.keeps_down(0.02, now())
+    state.run.compliant.still = (0,)
+    assert soles.keeps_down(0.02, now())
+    state.run.compliant.still = (1,)
+    assert not soles.keeps_down(0.02, now())

@@ -50,6 +50,16 @@ def test_a_leg_that_waits_in_the_air_while_the_others_carry_the_body_on_does_not
     assert out[1] == pytest.approx((-0.1, 0.0, 0.0), abs=1e-9)
 
 
+def test_a_leg_lifted_before_the_plan_does_not_stand_though_it_does_not_move_either():
+    plan = swing_plan()
+    feet = plan.feet.copy()
+    feet[:2, 0, 2] = 0.1
+    plan = replace(plan, feet=feet)
+    lifted = TrajectoryTracker(plan, (0,)).stretches[0]
+    assert lifted.air == (0,) and lifted.stand == (1, 2, 3)
+    assert TrajectoryTracker(plan).stretches[0].stand == (0, 1, 2, 3)
+
+
 def test_time_may_run_back_as_when_a_foot_retraces_its_way():
     playback = TrajectoryTracker(swing_plan())
     assert [playback.phase(t) for t in (0.9, 0.6, 0.3, 0.1)] == [
