@@ -39,20 +39,28 @@ class Setbacks:
         """An encounter begins; ``body`` is x, y, ... in m."""
         self.heed(command)
         x, y = body[0], body[1]
-        count = 1
-        for place in self._places:
-            if math.hypot(place[0] - x, place[1] - y) <= self._place:
-                count = place[2] + 1
-                x, y = place[0], place[1]
-                self._places.remove(place)
-                break
+        known = self._known(x, y)
+        if known is not None:
+            self._places.remove(known)
+            x, y = known[:2]
+        count = 1 if known is None else known[2] + 1
         self._places = [*self._places, (x, y, count)][-PLACES_KEPT:]
         if count >= self._encounters_max:
             self.why = Blocked(Reason.NO_PROGRESS, facts={"times": count})
 
-    def note_step(self, body: Sequence[float], command: Command) -> None:
-        """A step begins; ``body`` is x, y, z, yaw in m and rad."""
+    def _known(self, x: float, y: float) -> tuple[float, float, int] | None:
+        """The place with encounters that is near a body, m."""
+        near = (at for at in self._places if math.hypot(at[0] - x, at[1] - y) <= self._place)
+        return next(near, None)
+
+    def note_step(self, body: Sequence[float], command: Command, legs: int = 1) -> None:
+        """A step of so many ``legs`` begins; ``body`` is x, y, z, yaw in m and rad. Each of its
+        feet may meet something: a step with which there would be too many is not begun.
+        """
         self.heed(command)
+        known = self._known(body[0], body[1])
+        if known is not None and known[2] + legs > self._encounters_max:
+            self.why = Blocked(Reason.NO_PROGRESS, facts={"times": known[2]})
         x, y, yaw = self._began
         turned = self._yaw_length * (body[3] - yaw)
         if math.hypot(body[0] - x, body[1] - y, turned) > self._got_on:

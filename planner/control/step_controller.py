@@ -75,7 +75,8 @@ class StepController:
         """The next step, or standing because there is none."""
         state, run = self._state, self._run
         if not command.holds:
-            state.setbacks.note_step(stance.body, command)
+            legs = len(answer.swing) if isinstance(answer, StepPlan) else 0
+            state.setbacks.note_step(stance.body, command, legs)
         answer = state.setbacks.why or answer
         if isinstance(answer, Blocked):
             state.rest(stance)

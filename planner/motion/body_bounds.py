@@ -53,9 +53,13 @@ class CarryingFeet(NamedTuple):
     bounds: Bounds
 
     def margin(self, place: XY) -> float:
-        """How far inside of them the centre of gravity is with the body there, m."""
-        x, y = self.centre
-        return polygon_margin(self.polygon, place[0] + x, place[1] + y)
+        """How far inside of them the centre of gravity and the body's origin, which planners go by,
+        both are with the body there, m.
+        """
+        x, y = place
+        dx, dy = self.centre
+        origin = polygon_margin(self.polygon, x, y)
+        return min(origin, polygon_margin(self.polygon, x + dx, y + dy))
 
     def slowing(self, place: XY, ahead: XY, bends: XY = (0.0, 0.0)) -> float:
         """The most the body may slow down there, m/s², while its way bends by ``bends``, m/s²; the

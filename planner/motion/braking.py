@@ -130,11 +130,22 @@ def braking(
     One too fast to stop so slows down harder, that it may at least come to rest over its feet.
     """
     acceleration = carrying.bounds.acceleration
-    for least in (LEAST_SHARE * acceleration, acceleration, max(acceleration, STEEPEST)):
+    steepest = max(acceleration, STEEPEST)
+    harder = (LEAST_SHARE * acceleration, acceleration, (acceleration + steepest) / 2.0, steepest)
+    for least in harder:
         way = _braking(plan, t, pace, carrying, (least, yaw_length))
-        if way is None or way.safe or carrying.margin(way.body[-1][:2]) >= 0.0:
+        if way is None or _holds(way, carrying):
             break
     return way
+
+
+def _holds(way: Braking, carrying: CarryingFeet) -> bool:
+    """True of a body that comes to rest over the feet that carry it; of one whose acceleration is
+    given they are not asked.
+    """
+    if way.safe and carrying.bounds.height <= 0.0:
+        return True
+    return carrying.margin(way.body[-1][:2]) >= 0.0
 
 
 def _braking(

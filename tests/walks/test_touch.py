@@ -31,6 +31,21 @@ def test_six_legs_cross_sparse_ground_that_is_seen_late_or_only_felt(
     assert_stands_well(told)
 
 
+@pytest.mark.parametrize(("fraction", "seed"), [(0.3, 6), (0.1, 4)])
+def test_six_swaying_legs_that_find_no_ground_stop_over_the_feet_that_stand(
+    fraction: float, seed: int
+) -> None:
+    told = walk(
+        "k-curve",
+        "sensing=none",
+        "gait.body=sway",
+        f"terrain.fraction={fraction}",
+        f"seed={seed}",
+        "end={distance=2.5, time=150.0}",
+    )
+    assert_stands_well(told)
+
+
 @pytest.mark.parametrize("name", ["fig15", "fig17-up", "fig17-down"])
 @pytest.mark.parametrize("rise", [0.10, 0.15, 0.20])
 @pytest.mark.parametrize("body", ["straight", "sway"])

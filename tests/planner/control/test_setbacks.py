@@ -29,6 +29,16 @@ def test_enough_encounters_at_one_place_are_too_many():
     assert why is not None and why.reason is Reason.NO_PROGRESS and "3 times" in why.text
 
 
+def test_a_step_whose_feet_could_meet_too_much_there_is_not_begun():
+    for legs, too_many in ((2, False), (3, True)):
+        setbacks = noted(1.0)
+        setbacks.note_step((1.0, 0.0, 0.7, 0.0), AHEAD, legs)
+        assert (setbacks.why is not None) is too_many
+        setbacks = noted(1.0)
+        setbacks.note_step((1.1, 0.0, 0.7, 0.0), AHEAD, legs)
+        assert setbacks.why is None
+
+
 def test_a_walk_that_gets_on_may_meet_as_much_as_it_likes():
     assert noted(*(0.1 * k for k in range(50))).why is None
 

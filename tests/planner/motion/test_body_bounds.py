@@ -38,6 +38,12 @@ def test_an_acceleration_that_is_given_is_kept_whatever_the_room():
     assert Bounds(0.02, 0.1).steepest(1.0) == 0.1
 
 
+def test_its_margin_is_that_of_its_origin_or_of_its_centre_of_gravity_whichever_is_less():
+    behind = CarryingFeet(SQUARE, (-0.03, 0.0), BOUNDS)
+    assert behind.margin((0.38, 0.2)) == pytest.approx(0.02)
+    assert behind.margin((0.04, 0.2)) == pytest.approx(0.01)
+
+
 def test_on_a_support_it_slows_down_until_its_zero_moment_point_is_at_the_reserve_ahead():
     support = CarryingFeet(SQUARE, (0.01, 0.0), BOUNDS)
     assert support.slowing((0.34, 0.2), (1.0, 0.0)) == pytest.approx(9.81 * (0.05 - RESERVE) / 0.85)
