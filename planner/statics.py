@@ -49,12 +49,22 @@ def centre_of_gravity(machine: Machine, feet_b: Sequence[Point]) -> Point:
     masses = machine.masses
     whole = masses.torso
     leg = masses.leg
-    x, y, z = (masses.torso * part for part in masses.centre)
+    x, y, z = masses.centre
+    x *= masses.torso
+    y *= masses.torso
+    z *= masses.torso
+    first, second, third = masses.links
+    all_in_the_last = first == 0.0 == second
     for chain, foot in zip(machine.chains, feet_b, strict=True):
-        lx, ly, lz = _moment_of_leg(chain, masses, foot)
-        x += lx
-        y += ly
-        z += lz
+        if all_in_the_last and chain.joints[2].slides:
+            x += third * foot[0]
+            y += third * foot[1]
+            z += third * foot[2]
+        else:
+            lx, ly, lz = _moment_of_leg(chain, masses, foot)
+            x += lx
+            y += ly
+            z += lz
         whole += leg
     return x / whole, y / whole, z / whole
 
@@ -67,9 +77,6 @@ def zero_moment_point(centre: XY, height: float, acceleration: XY) -> XY:
 
 def _moment_of_leg(chain: LegChain, masses: Masses, foot: Point) -> Point:
     """Σ m·r of a leg's links, kg·m, body axes. A foot out of reach: as if on a straight leg."""
-    a, b, c = masses.links
-    if a == 0.0 == b and chain.joints[2].slides:
-        return c * foot[0], c * foot[1], c * foot[2]
     joints = inverse(chain, foot)
     if joints is not None:
         return leg_moment(chain, masses, joints)

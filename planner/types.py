@@ -45,6 +45,11 @@ class Command:
     turn_rate: float = 0.0  # rad/s
 
     @property
+    def straight_course(self) -> float | None:
+        """The crab angle, rad; None of a command that turns."""
+        return self.crab_angle if self.turn_rate == 0.0 else None
+
+    @property
     def holds(self) -> bool:
         """True when nothing is to move."""
         return self.speed == 0.0 and self.turn_rate == 0.0

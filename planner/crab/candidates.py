@@ -5,15 +5,18 @@ shift of the body on four legs.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from copy import copy
+from dataclasses import dataclass
+from functools import partial
 from itertools import islice
-from typing import Any, NamedTuple
+from typing import Any
 
 from ..decision_log import DecisionLog
-from ..geometry.paths import corners_of_box, line_exit
+from ..geometry.paths import corners_of_box, line_exit, room_within
 from ..geometry.polygons import inside_of, nearest_of
 from ..geometry.transforms import XY
+from ..lazy import lazy
 from ..search import Branch, thinned
 from ..terrain.cells import FootholdMap, foothold_map, one_of_each_block
 from ..types import Stance
@@ -46,11 +49,16 @@ STILL_MAX = 4  # steps on the spot in a row; the next one must get on
 INSET = 0.005  # m inside a triangle's edges: where a body shift ends
 
 
-class Node(NamedTuple):
-    """Where a rollout has come to; the stance, with its heights, is carried on uneven ground."""
+@dataclass(eq=False)
+class Node:
+    """Where a rollout has come to; its stance, with heights, where a search goes on from it."""
 
     posture: Posture
-    stance: Stance | None
+    stand: Callable[[], Stance] | None  # None on level ground
+
+    @lazy
+    def stance(self) -> Stance | None:
+        return None if self.stand is None else self.stand()
 
 
 class SearchContext:
@@ -70,7 +78,7 @@ class SearchContext:
         posture = posture_of(self.nominal, stance)
         self.cells: FootholdMap = foothold_map(request.terrain)
         self.here = FootholdChecks(posture, request)
-        self.start = Node(posture, None if self.here.is_level else stance)
+        self.start = Node(posture, None if self.here.is_level else lambda: stance)
         self._latest = self.start, self.here  # most is asked of one node after the other
         size = self.nominal.size
         self.least = min(LEAST * size, self.nominal.margin)  # m, that every step must keep
@@ -100,7 +108,7 @@ class SearchContext:
 
     def accepts(self, node: Node) -> Accepts | None:
         """What refuses footholds for their height; None where there are no heights to mind."""
-        return None if node.stance is None else self._checks_at(node).refuses
+        return None if node.stand is None else self._checks_at(node).refuses
 
     def _checks_at(self, node: Node) -> FootholdChecks:
         if self._latest[0] is not node:
@@ -115,23 +123,21 @@ class SearchContext:
 
     def after(self, node: Node, candidate: Candidate) -> Node:
         """The node at N_{k+1}."""
-        stance = node.stance
         if isinstance(candidate, SwingStep):
             posture = after(node.posture, candidate)
-            if stance is not None:
-                checks = self._checks_at(node)
-                z = checks.height_after(candidate, candidate.landing)
-                stance = checks.stance_after(posture, candidate, z)
-        else:
-            posture = shifted(node.posture, candidate)
-            if stance is not None:
-                body = posture.x, posture.y, *stance.body[2:]
-                n = self.nominal.quarter_turns
-                stance = Stance(body, stance.feet, stance.last_swing, n)
-        return Node(posture, stance)
+            if node.stand is None:
+                return Node(posture, None)
+            return Node(posture, partial(self._checks_at(node).stance_after, posture, candidate))
+        posture = shifted(node.posture, candidate)
+        stance = node.stance
+        if stance is None:
+            return Node(posture, None)
+        body = posture.x, posture.y, *stance.body[2:]
+        turns = self.nominal.quarter_turns
+        return Node(posture, lambda: Stance(body, stance.feet, stance.last_swing, turns))
 
 
-# steps near the paper's own
+# steps near the paper's own, and any foothold in reach
 
 
 def near_steps(
@@ -164,9 +170,6 @@ def within_margin(least: float, shift: Shift | StepRefusal) -> Shift | None:
     if g0 - low < least - 1e-9 or high - g0 < least - 1e-9:
         return None
     return shift if high - shift.g >= least else shift._replace(g=max(g0, high - least))
-
-
-# any foothold in reach
 
 
 def wide_steps(context: SearchContext, node: Node, short: bool = True) -> Iterator[SwingStep]:
@@ -254,15 +257,7 @@ def shortest_shift(posture: Posture, regions: Iterable[list[XY]], least: float) 
 
 def shift_room(posture: Posture) -> list[XY]:
     """The rectangle the body may be shifted in with no foot farther out of its reach than it is."""
-    reach = list(zip(posture.feet, posture.nominal.boxes, strict=True))
-    x1 = min(max(fx - box[1] for (fx, _), box in reach), 0.0)
-    x2 = max(min(fx - box[0] for (fx, _), box in reach), 0.0)
-    y1 = min(max(fy - box[3] for (_, fy), box in reach), 0.0)
-    y2 = max(min(fy - box[2] for (_, fy), box in reach), 0.0)
-    return corners_of_box((x1, x2, y1, y2))
-
-
-# what is weighed
+    return corners_of_box(room_within(posture.feet, posture.nominal.boxes))
 
 
 def value_of(posture: Posture) -> float:

@@ -64,8 +64,9 @@ class FootholdChecks:
         """The foot on its new foothold, absolute frame."""
         return landing.ax, landing.ay, self.ground_at(landing)
 
-    def stance_after(self, posture: Posture, step: SwingStep, z: float) -> Stance:
-        """The stance in which a step to a posture leaves the walker, its body at height ``z``."""
+    def stance_after(self, posture: Posture, step: SwingStep, z: float | None = None) -> Stance:
+        """The stance in which a step to a posture leaves the walker, at its height or ``z``."""
+        z = self.height_after(step, step.landing) if z is None else z
         leg = self.nominal.body_leg[step.leg]
         feet = with_feet(self.stance.feet, {leg: self.foot_at(step.landing)})
         body = posture.x, posture.y, z, self.stance.body[3]

@@ -16,7 +16,7 @@ from ..geometry.paths import NOWHERE, Box, bounded_by, corners_of_box, line_exit
 from ..geometry.polygons import clipped, nearest_of
 from ..geometry.transforms import XY
 from ..motion.leg_order import FRONT_ACROSS, IS_FRONT, IS_LEFT, PREDECESSOR, REAR_ACROSS
-from ..terrain.cells import FootholdMap, cells_across
+from ..terrain.cells import FootholdMap, HalfPlane, cells_across
 from .gait import NominalGait, Posture
 from .step_refusals import StepRefusal
 from .steps import Landing
@@ -122,7 +122,10 @@ def landings(
         else:
             note_cell(trial, ax, ay, StepRefusal.PROHIBITED)
     course = posture.turned(domain.ux, domain.uy)
-    order = cells_across(cells, posture.around(domain.box), (ax, ay), course, trial is not None)
+    area = posture.around(domain.box)
+    straight = 3 if domain.beside(domain.f_across) else 1  # method III, and I and II with it
+    within = [posture.half_plane(*plane) for plane in half_planes(domain)[:straight]]
+    order = cells_across(cells, area, (ax, ay), course, trial is not None, within)
     px, py, c, s = posture.x, posture.y, posture.c, posture.s  # this is asked of every cell
     refuses = domain.refuses
     for ax, ay, free in order:
@@ -218,19 +221,25 @@ def nearest_in(domain: Domain, x: float, y: float) -> XY | None:
     return nearest_of(corners, x, y) if corners else None
 
 
-def corners_of(domain: Domain) -> list[XY]:
-    """D_u as a polygon, but for the hyperbola of method I, which ``refuses`` knows."""
+def half_planes(domain: Domain) -> list[HalfPlane]:
+    """What bounds D_u beside its box, but for the hyperbola of method I, which ``refuses`` knows:
+    method III, then I and II, which are straight where f̄ is on the other side of L_G.
+    """
     side = 1.0 if domain.left else -1.0
-    corners = clipped(corners_of_box(domain.box), -side * domain.uy, side * domain.ux, 0.0)
+    planes = [(-side * domain.uy, side * domain.ux, 0.0)]
     if domain.hind:
         for bound, sign in ((domain.limit, -side), (domain.least, side)):
             # sign·(D_X - bound) >= 0, multiplied by the spread, whose sign is that of side
             if math.isfinite(bound):
                 a, b = sign * -domain.f_across, sign * (domain.f_along - bound)
-                corners = clipped(
-                    corners,
-                    a * domain.ux - b * domain.uy,
-                    a * domain.uy + b * domain.ux,
-                    sign * bound * domain.f_across,
-                )
+                across = a * domain.ux - b * domain.uy, a * domain.uy + b * domain.ux
+                planes.append((*across, sign * bound * domain.f_across))
+    return planes
+
+
+def corners_of(domain: Domain) -> list[XY]:
+    """D_u as a polygon, but for that hyperbola."""
+    corners = corners_of_box(domain.box)
+    for plane in half_planes(domain):
+        corners = clipped(corners, *plane)
     return corners

@@ -14,7 +14,7 @@ import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
-from ..geometry.paths import ArcPath, Box, arc_exit, arc_of_command, line_exit
+from ..geometry.paths import ArcPath, Box, arc_exit, arc_of_command, box_around, line_exit
 from ..geometry.polygons import Polygon, convex_hull
 from ..geometry.transforms import XY, direction
 from ..initial_stance import Placement, standing
@@ -127,6 +127,11 @@ class Posture:
         """A point of the gait frame in the absolute one."""
         return self.x + self.c * px - self.s * py, self.y + self.s * px + self.c * py
 
+    def half_plane(self, a: float, b: float, c: float) -> tuple[float, float, float]:
+        """Where a·x + b·y + c >= 0 in the gait frame, in the absolute one."""
+        a, b = self.turned(a, b)
+        return a, b, c - a * self.x - b * self.y
+
     def canonical(self, ax: float, ay: float) -> XY:
         """An absolute point in the gait frame."""
         dx = ax - self.x
@@ -135,13 +140,8 @@ class Posture:
 
     def around(self, box: Box) -> Box:
         """The upright box in the absolute frame around one of the gait frame."""
-        x1, x2, y1, y2 = box
-        mx, my = self.absolute((x1 + x2) / 2, (y1 + y2) / 2)
-        hx, hy = (x2 - x1) / 2, (y2 - y1) / 2
-        c, s = abs(self.c), abs(self.s)
-        half_x = c * hx + s * hy
-        half_y = s * hx + c * hy
-        return mx - half_x, mx + half_x, my - half_y, my + half_y
+        middle = self.absolute((box[0] + box[1]) / 2, (box[2] + box[3]) / 2)
+        return box_around(box, *middle, self.c, self.s)
 
 
 def posture_of(nominal: NominalGait, stance: Stance) -> Posture:

@@ -70,7 +70,7 @@ class SlopeAdaptation:
     def __call__(self, stance: Stance, command: Command, terrain: TerrainMap) -> PlanningJob:
         if self.attitude == "ground":
             slope = self._slope_known(slope_under(stance, command, terrain, self.machine))
-            yield from self._leans.weighed(stance.body[3], slope, _straight_course(command))
+            yield from self._leans.weighed(stance.body[3], slope, command.straight_course)
         frame = self.frame(stance, command, terrain)
         yield 0 if terrain.is_level else FRAME
         answer = yield from self._planned(frame, command)
@@ -113,7 +113,7 @@ class SlopeAdaptation:
 
     def _fitted(self, stance: Stance, command: Command, slope: Lean, lean: Lean) -> Machine | None:
         return fitted(
-            self._walker, stance.body[3], slope, (stance.lean, lean), _straight_course(command)
+            self._walker, stance.body[3], slope, (stance.lean, lean), command.straight_course
         )
 
     def _slope_known(self, measured: Lean) -> Lean:
@@ -129,15 +129,10 @@ class SlopeAdaptation:
         """One step of lean towards the one that follows the ground as far as it may."""
         target = LEVEL
         if self.attitude == "ground":
-            share = self._leans.followed(stance.body[3], slope, _straight_course(command))
+            share = self._leans.followed(stance.body[3], slope, command.straight_course)
             gx, gy = share * slope[0], share * slope[1]
             target = towards_level(self._trust * gx), towards_level(self._trust * gy)
         return approached(stance.lean, target)
-
-
-def _straight_course(command: Command) -> float | None:
-    """The crab angle of a command; None for one that turns."""
-    return command.crab_angle if command.turn_rate == 0.0 else None
 
 
 def on_edge(plan: StepPlan) -> bool:

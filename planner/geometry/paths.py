@@ -29,6 +29,30 @@ def corners_of_box(box: Box) -> list[tuple[float, float]]:
     return [(x1, y1), (x2, y1), (x2, y2), (x1, y2)]
 
 
+def box_around(box: Box, x: float, y: float, c: float, s: float) -> Box:
+    """The upright box around one that lies turned, its middle at (x, y): ``c`` and ``s`` are cosine
+    and sine of its angle.
+    """
+    x1, x2, y1, y2 = box
+    hx, hy = (x2 - x1) / 2, (y2 - y1) / 2
+    c, s = abs(c), abs(s)
+    half_x = c * hx + s * hy
+    half_y = s * hx + c * hy
+    return x - half_x, x + half_x, y - half_y, y + half_y
+
+
+def room_within(points: Iterable[tuple[float, float]], boxes: Iterable[Box]) -> Box:
+    """How far a frame may be shifted with none of the points in it farther outside of its box than
+    it is: the shifts from least to largest x and y, 0 among them.
+    """
+    inside = list(zip(points, boxes, strict=True))
+    x1 = min(max(x - box[1] for (x, _), box in inside), 0.0)
+    x2 = max(min(x - box[0] for (x, _), box in inside), 0.0)
+    y1 = min(max(y - box[3] for (_, y), box in inside), 0.0)
+    y2 = max(min(y - box[2] for (_, y), box in inside), 0.0)
+    return x1, x2, y1, y2
+
+
 class ArcPath(NamedTuple):
     """A course of constant curvature from the present pose, in present body axes: a line when
     ``turn`` is 0, else an arc.

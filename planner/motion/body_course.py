@@ -182,14 +182,16 @@ class Course:
         x, y, z, yaw = self.at(when.length)
         sx, sy = self.side(when.length)
         body = x + along * sy, y - along * sx, z, yaw
-        across = turned_back(sx, sy, yaw)
+        ahead, left = turned_back(sx, sy, yaw)
+        over_x, over_y, _ = self._machine.overreach
         low, high = -OFFSET_MAX, OFFSET_MAX
         for leg, foot in zip(self._machine.legs, when.feet, strict=True):
             if foot is None:
                 continue
-            seen = point_seen(body, foot)
-            for place, (begin, end), over, rate in zip(
-                seen[:2], (leg.x, leg.y), self._machine.overreach[:2], across, strict=True
+            seen_x, seen_y, _ = point_seen(body, foot)
+            for place, (begin, end), over, rate in (
+                (seen_x, leg.x, over_x, ahead),
+                (seen_y, leg.y, over_y, left),
             ):
                 if abs(rate) > SLANT_MIN:
                     ends = (place - end - over + SAFE) / rate, (place - begin + over - SAFE) / rate
@@ -205,14 +207,25 @@ class Course:
         its leg's mechanical reach with the body there, m; negative inside.
         """
         over_x, over_y, _ = self._machine.overreach
+        x, y, _, yaw = body
+        c, s = direction(yaw)
         most = -math.inf
         for leg, foot in zip(self._machine.legs, self._standing[lifted], strict=True):
             if foot is None:
                 continue
-            x, y, _ = point_seen(body, foot)
-            (x_low, x_high), (y_low, y_high) = leg.x, leg.y
-            outside = max(x - x_high - over_x, x_low - over_x - x)
-            most = max(most, outside, y - y_high - over_y, y_low - over_y - y)
+            dx = foot[0] - x
+            dy = foot[1] - y
+            ahead = c * dx + s * dy
+            aside = c * dy - s * dx
+            x_low, x_high = leg.x
+            y_low, y_high = leg.y
+            most = max(
+                most,
+                ahead - x_high - over_x,
+                x_low - over_x - ahead,
+                aside - y_high - over_y,
+                y_low - over_y - aside,
+            )
         return most
 
     def within_reach(self, length: float) -> float:
@@ -265,9 +278,14 @@ class Course:
 
     def _stretch(self, length: float) -> tuple[int, float]:
         """The stretch a place lies on, and its share behind it."""
-        k = min(max(bisect_right(self.lengths, length) - 1, 0), len(self.lengths) - 2)
-        share = (length - self.lengths[k]) / max(self.lengths[k + 1] - self.lengths[k], STILL)
-        return k, min(max(share, 0.0), 1.0)
+        lengths = self.lengths
+        last = len(lengths) - 2
+        k = min(max(bisect_right(lengths, length) - 1, 0), last) if last else 0
+        begin = lengths[k]
+        share = (length - begin) / max(lengths[k + 1] - begin, STILL)
+        if share <= 0.0:
+            return k, 0.0
+        return k, share if share < 1.0 else 1.0
 
 
 def centre_over(machine: Machine, body: Body, feet: Sequence[Sequence[float]]) -> XY:

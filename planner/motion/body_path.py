@@ -172,8 +172,13 @@ def _sweep(values: list[float], keys: Sequence[Key], pulls: Sequence[float]) -> 
             before = pulls[k - 1]
             after = pulls[k]
             value = (before * value + after * values[k + 1]) / (before + after)
-        value = min(max(value, low), high)
-        moved = max(moved, abs(value - values[k]))
+        if value < low:
+            value = low
+        if value > high:
+            value = high
+        change = abs(value - values[k])
+        if change > moved:
+            moved = change
         values[k] = value
     return moved
 
@@ -214,7 +219,7 @@ def at(knots: Sequence[Knot], time: float) -> Knot:
     k = 1
     while time > knots[k].time:
         k += 1
-    return _cubic(knots[k - 1], knots[k], time)
+    return Knot(time, *_cubic(knots[k - 1], knots[k], time))
 
 
 def sampled(knots: Sequence[Knot], times: Sequence[float]) -> list[XY]:
@@ -228,22 +233,21 @@ def sampled(knots: Sequence[Knot], times: Sequence[float]) -> list[XY]:
         if time <= knots[0].time or time >= knots[-1].time:
             out.append(at(knots, time)[1:])
         else:
-            out.append(_cubic(knots[k - 1], knots[k], time)[1:])
+            out.append(_cubic(knots[k - 1], knots[k], time))
     return out
 
 
-def _cubic(a: Knot, b: Knot, time: float) -> Knot:
-    """The cubic from one knot to the next (Hermite's form)."""
-    span = b.time - a.time
-    u = (time - a.time) / span
-    slope = (b.value - a.value) / span
-    value = a.value + (time - a.time) * (
-        a.rate + u * ((3.0 * slope - 2.0 * a.rate - b.rate) + u * (a.rate + b.rate - 2.0 * slope))
-    )
-    rate = a.rate + u * (
-        2.0 * (3.0 * slope - 2.0 * a.rate - b.rate) + 3.0 * u * (a.rate + b.rate - 2.0 * slope)
-    )
-    return Knot(time, value, rate)
+def _cubic(a: Knot, b: Knot, time: float) -> XY:
+    """Value and rate of the cubic from one knot to the next (Hermite's form)."""
+    begin, begin_value, begin_rate = a
+    end, end_value, end_rate = b
+    span = end - begin
+    u = (time - begin) / span
+    slope = (end_value - begin_value) / span
+    square = 3.0 * slope - 2.0 * begin_rate - end_rate
+    cube = begin_rate + end_rate - 2.0 * slope
+    value = begin_value + (time - begin) * (begin_rate + u * (square + u * cube))
+    return value, begin_rate + u * (2.0 * square + 3.0 * u * cube)
 
 
 def largest_acceleration(knots: Sequence[Knot]) -> float:

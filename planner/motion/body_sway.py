@@ -36,7 +36,7 @@ from .body_path import (
     sampled,
     through_gates,
 )
-from .step_builder import changed
+from .step_builder import as_feet, as_table, changed
 from .swing_profile import SwingTable, as_planned, cubic_between, smooth_swing
 
 LACK = 0.002  # m of margin that a wait on all feet is taken for, if it brings as much
@@ -259,7 +259,17 @@ class _Table:
 class _Way:
     """A body's way through a step: progress along the reference, offsets along and across it."""
 
-    __slots__ = ("table", "course", "progress", "along", "across", "thrown", "rows")
+    __slots__ = (
+        "table",
+        "course",
+        "progress",
+        "along",
+        "across",
+        "thrown",
+        "rows",
+        "_bends",
+        "_least",
+    )
 
     def __init__(
         self,
@@ -277,6 +287,13 @@ class _Way:
         self.across = across
         self.table = table.with_times(self.times_within(table.times[-1]))
         self.rows = self.motions(self.table.times)
+        self._bends = [
+            _most_between(*ends, after - before) if after > before else 0.0
+            for ends, (before, after) in zip(
+                pairwise(self.rows), pairwise(self.table.times), strict=True
+            )
+        ]  # m/s², the most of every stretch of the table
+        self._least: float | None = None  # of its margins, m, when they have been worked out
 
     @classmethod
     def through(cls, task: _Task, table: _Table) -> _Way:
@@ -317,28 +334,26 @@ class _Way:
         rad/s.
         """
         ways = (sampled(way, times) for way in (self.progress, self.along, self.across))
-        return [self._motion(*row) for row in zip(*ways, strict=True)]
-
-    def _motion(self, progress: XY, ahead: XY, beside: XY) -> Motion:
-        """That with this progress and these offsets along and across it, and their rates."""
-        length, rate = progress
-        along, along_rate = ahead
-        aside, aside_rate = beside
-        (x, y, z, yaw), (onward, left, climb, turn) = self.course.motion(length)
-        sx, sy = self.course.side(length)
-        # the offsets turn with the course
-        spin = self.course.turning * rate
-        ox = sx * aside + sy * along
-        oy = sy * aside - sx * along
-        return Motion(
-            (x + sx * aside + sy * along, y + sy * aside - sx * along, z, yaw),
-            (
-                onward * rate + sx * aside_rate + sy * along_rate - spin * oy,
-                left * rate + sy * aside_rate - sx * along_rate + spin * ox,
-                climb * rate,
-                turn * rate,
-            ),
-        )
+        course = self.course
+        turning = course.turning
+        out = []
+        for (length, rate), (along, along_rate), (aside, aside_rate) in zip(*ways, strict=True):
+            (x, y, z, yaw), (onward, left, climb, turn) = course.motion(length)
+            sx, sy = course.side(length)
+            ox = sx * aside + sy * along
+            oy = sy * aside - sx * along
+            spin = turning * rate  # the offsets turn with the course
+            motion = Motion(
+                (x + sx * aside + sy * along, y + sy * aside - sx * along, z, yaw),
+                (
+                    onward * rate + sx * aside_rate + sy * along_rate - spin * oy,
+                    left * rate + sy * aside_rate - sx * along_rate + spin * ox,
+                    climb * rate,
+                    turn * rate,
+                ),
+            )
+            out.append(motion)
+        return out
 
     def hurry(self, bounds: Bounds, rounds: int) -> float:
         """By which factor the step should be longer for the body's acceleration; 1: it is well.
@@ -360,10 +375,11 @@ class _Way:
         the table to the next.
         """
         most = 0.0
-        for (a, before), (b, after) in pairwise(zip(self.table.times, self.rows, strict=True)):
-            if b <= start + SOONEST / 2 or a >= end - SOONEST / 2 or b - a < STILL:
-                continue
-            most = max(most, _most_between(before, after, b - a))
+        start += SOONEST / 2
+        end -= SOONEST / 2
+        for (a, b), bend in zip(pairwise(self.table.times), self._bends, strict=True):
+            if bend > most and b > start and a < end and b - a >= STILL:
+                most = bend
         return most
 
     def foot_hurry(self, machine: Machine) -> float:
@@ -377,16 +393,21 @@ class _Way:
         """
         most = -math.inf
         table = self.table
+        beyond = self.course.beyond
         knots = zip(table.times, self.rows, strict=True)
+        first = beyond(self.rows[0].body, table.lift == 0)
         for k, ((a, before), (b, after)) in enumerate(pairwise(knots)):
             lifted = k >= table.lift
-            ends = [self.course.beyond(row.body, lifted) for row in (before, after)]
-            bulge = _most_between(before, after, b - a) * (b - a) ** 2 / 8.0 if b > a else 0.0
-            most = max(most, *ends)
-            if max(ends) + bulge <= 0.0:
+            if k == table.lift:
+                first = beyond(before.body, lifted)
+            last = beyond(after.body, lifted)
+            farther = max(first, last)
+            first = last
+            most = max(most, farther)
+            if farther + self._bends[k] * (b - a) ** 2 / 8.0 <= 0.0:
                 continue
             inner = (_between(before, after, b - a, share) for share in BETWEEN)
-            most = max(most, *(self.course.beyond(body, lifted) for body in inner))
+            most = max(most, *(beyond(body, lifted) for body in inner))
         return most
 
     def plan(self, plan: StepPlan, curved: bool, machine: Machine) -> StepPlan:
@@ -399,18 +420,20 @@ class _Way:
         return changed(
             plan,
             times=np.array(table.times),
-            body=np.array([row.body for row in rows]),
-            feet=np.array(table.feet),
-            foot_rates=np.array(table.foot_rates) if curved else None,
+            body=as_table([row.body for row in rows]),
+            feet=as_feet(table.feet),
+            foot_rates=as_feet(table.foot_rates) if curved else None,
             phases=table.phases,
-            rates=np.array([row.rate for row in rows]),
+            rates=as_table([row.rate for row in rows]),
             end=end,
-            polygon_margin_min=_least_margin(self.course, table, rows, machine),
+            polygon_margin_min=self.margin(machine),
         )
 
     def margin(self, machine: Machine) -> float:
         """Least polygon margin at the knots, m."""
-        return _least_margin(self.course, self.table, self.rows, machine)
+        if self._least is None:
+            self._least = _least_margin(self.course, self.table, self.rows, machine)
+        return self._least
 
 
 def _between(before: Motion, after: Motion, seconds: float, share: float) -> Body:
@@ -429,14 +452,19 @@ def _between(before: Motion, after: Motion, seconds: float, share: float) -> Bod
 
 def _most_between(before: Motion, after: Motion, seconds: float) -> float:
     """The largest acceleration over the ground of the cubic between two motions, m/s²."""
-    first = []
-    last = []
-    for axis in (0, 1):
-        mean = (after.body[axis] - before.body[axis]) / seconds
-        begin, end = before.rate[axis], after.rate[axis]
-        first.append(2.0 * (3.0 * mean - 2.0 * begin - end) / seconds)
-        last.append(2.0 * (begin + 2.0 * end - 3.0 * mean) / seconds)
-    return max(math.hypot(*first), math.hypot(*last))
+    (x, y, _, _), (begin_x, begin_y, _, _) = before
+    (to_x, to_y, _, _), (end_x, end_y, _, _) = after
+    mean_x = 3.0 * ((to_x - x) / seconds)
+    mean_y = 3.0 * ((to_y - y) / seconds)
+    first = math.hypot(
+        2.0 * (mean_x - 2.0 * begin_x - end_x) / seconds,
+        2.0 * (mean_y - 2.0 * begin_y - end_y) / seconds,
+    )
+    last = math.hypot(
+        2.0 * (begin_x + 2.0 * end_x - mean_x) / seconds,
+        2.0 * (begin_y + 2.0 * end_y - mean_y) / seconds,
+    )
+    return max(first, last)
 
 
 def _least_margin(course: Course, table: _Table, rows: Sequence[Motion], machine: Machine) -> float:
@@ -477,14 +505,20 @@ def _fastest_foot(
     most = 0.0
     before: Point | None = None
     for foot, rate in zip(feet, rates, strict=True):
-        if turn == 0.0 and rate == before:
+        if rate == before and turn == 0.0:
             continue  # as fast as the foot before it
         before = rate
         wx = rate[0] - vx + turn * (foot[1] - y)
         wy = rate[1] - vy - turn * (foot[0] - x)
         ahead = abs(c * wx + s * wy) / limit_x
         aside = abs(c * wy - s * wx) / limit_y
-        most = max(most, ahead, aside, abs(rate[2] - vz) / limit_z)
+        up = abs(rate[2] - vz) / limit_z
+        if ahead > most:
+            most = ahead
+        if aside > most:
+            most = aside
+        if up > most:
+            most = up
     return most
 
 

@@ -422,9 +422,14 @@ class _Way:
         k = min(max(bisect_right(self._marks, way) - 1, 0), len(self.path) - 2)
         a, b = self.path[k], self.path[k + 1]
         length = self._marks[k + 1] - self._marks[k]
-        place = between(a, b, min((way - self._marks[k]) / length, 1.0))
-        x, y, z = (speed * (q - p) / length for p, q in zip(a, b, strict=True))
-        return place, (x, y, z)
+        share = min((way - self._marks[k]) / length, 1.0)
+        (x, y, z), (ex, ey, ez) = a, b
+        place = x + share * (ex - x), y + share * (ey - y), z + share * (ez - z)
+        return place, (
+            speed * (ex - x) / length,
+            speed * (ey - y) / length,
+            speed * (ez - z) / length,
+        )
 
 
 def _runs(phases: Sequence[Phase]) -> Iterator[_Run]:

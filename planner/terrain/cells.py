@@ -5,7 +5,7 @@ order they lie around a place.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
 from typing import NamedTuple, TypeVar
 
@@ -14,6 +14,9 @@ from ..geometry.transforms import XY
 from .map import TerrainMap
 
 T = TypeVar("T")
+
+SLACK = 1e-8  # a point this little outside a half plane is still looked at
+HalfPlane = tuple[float, float, float]  # a, b, c: where a·x + b·y + c >= 0
 
 
 class FootholdMap(NamedTuple):
@@ -88,13 +91,19 @@ def disc_of(cell: float, radius: float) -> tuple[tuple[int, int, float], ...]:
 
 
 def cells_across(
-    cells: FootholdMap, area: Box, start: XY, course: XY, every: bool = False
+    cells: FootholdMap,
+    area: Box,
+    start: XY,
+    course: XY,
+    every: bool = False,
+    within: Sequence[HalfPlane] = (),
 ) -> Iterator[tuple[float, float, bool]]:
     """Centres of the free cells of an area (or ``every`` one, with whether it is free) in rows
     across a course, from ``start`` on (H §5.5).
 
     Sideways from the start first; then the rows behind and ahead in turn, each from the cell on the
-    line along the course. The map's axis nearest to the course plays the part of "ahead".
+    line along the course. The map's axis nearest to the course plays the part of "ahead". Cells
+    that are not ``within`` all of some half planes are passed over.
     """
     forbidden, rows, columns, cell, ox, oy, _ = cells
     ahead = span_of(area[0], area[1], ox, cell, columns)
@@ -110,16 +119,51 @@ def cells_across(
         return
     slope = across / along
     first = math.floor(a0)
-    (front, last), (side, end) = ahead, beside
+    front, last = ahead
+    bounds = _bounds_in_rows(cells, within, lengthwise)
     for onward in outward(first - front, last - front + 1, -1 if along > 0.0 else 1):
         row = front + onward
+        side, end = _places_in(row, beside, *bounds)
         middle = math.floor(b0 if row == first else b0 + slope * (row + 0.5 - a0))
-        for sideways in outward(middle - side, end - side + 1, 1):
+        for sideways in outward(middle - side, end - side + 1, 1) if side <= end else ():
             place = side + sideways
             column, line = (row, place) if lengthwise else (place, row)
             free = not forbidden[line * columns + column]
             if free or every:
                 yield ox + (column + 0.5) * cell, oy + (line + 0.5) * cell, free
+
+
+def _places_in(
+    row: int, places: tuple[int, int], lows: Sequence[XY], highs: Sequence[XY]
+) -> tuple[int, int]:
+    """The first and the last of a row's places within bounds."""
+    side, end = places
+    for base, rise in lows:
+        side = max(side, math.ceil(base + rise * row))
+    for base, rise in highs:
+        end = min(end, math.floor(base + rise * row))
+    return side, end
+
+
+def _bounds_in_rows(
+    cells: FootholdMap, within: Sequence[HalfPlane], lengthwise: bool
+) -> tuple[list[XY], list[XY]]:
+    """The least and the largest places in a row that are in half planes: straight lines, each as
+    its place in row 0 and how it changes from row to row.
+    """
+    cell = cells.cell
+    middle_x = cells.x + 0.5 * cell
+    middle_y = cells.y + 0.5 * cell
+    lows: list[XY] = []
+    highs: list[XY] = []
+    for a, b, c in within:
+        depth = a * middle_x + b * middle_y + c + SLACK  # of the middle of cell [0, 0]
+        by_row, by_place = (a, b) if lengthwise else (b, a)
+        if abs(by_place) < SLACK:
+            continue  # along the rows: nothing is gained
+        line = -depth / (by_place * cell), -by_row / by_place
+        (lows if by_place > 0.0 else highs).append(line)
+    return lows, highs
 
 
 def one_of_each_block(

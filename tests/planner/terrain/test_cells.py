@@ -78,6 +78,24 @@ def test_rows_across_a_course_have_every_free_cell_of_the_area_once(course):
     assert changes == len(set(rows)) - 1, "a row is not finished before the next"
 
 
+@pytest.mark.parametrize("course", [(1.0, 0.2), (-1.0, 0.4), (0.1, 1.0), (-0.3, -1.0)])
+@pytest.mark.parametrize("seed", range(6))
+def test_half_planes_leave_out_cells_outside_of_them_and_change_no_order(course, seed):
+    rng = np.random.default_rng(seed)
+    cells, area = half_free(), (-0.4, 0.6, -0.5, 0.3)
+    planes = [tuple(plane) for plane in rng.uniform(-1.0, 1.0, (3, 3)) * (1.0, 1.0, 0.3)]
+    planes.append((0.0, 1.0, 0.35) if seed % 2 else (1.0, 0.0, 0.25))
+    all_of_them = cells_across(cells, area, (0.1, 0.0), course, every=True)
+    wanted = [at for at in all_of_them if all(a * at[0] + b * at[1] + c >= 0 for a, b, c in planes)]
+    found = list(cells_across(cells, area, (0.1, 0.0), course, True, planes))
+    assert [at for at in found if at in wanted] == wanted
+    assert len(wanted) <= len(found) < 20 * 16
+    outside = [at for at in found if at not in wanted]  # of a plane along the rows, looked at later
+    along = abs(course[0]) >= abs(course[1])
+    sloping = [(a, b, c) for a, b, c in planes if (b if along else a) != 0.0]
+    assert all(a * x + b * y + c >= -1e-6 for x, y, _ in outside for a, b, c in sloping)
+
+
 def test_of_each_block_the_first_free_cell_that_is_wanted_is_given():
     cells = half_free()
 
