@@ -2,10 +2,10 @@
 
 Prints::
 
-    ahead        x  1.50 m, y  0.00 m, heading  0.00 rad, return
-    to the left  x  1.56 m, y  1.21 m, heading  0.00 rad, return
-    turning      x  1.56 m, y  1.25 m, heading  1.30 rad, return
-    hold         x  1.56 m, y  1.25 m, heading  1.30 rad, stand
+    ahead        x  1.37 m, y  0.00 m, heading  0.00 rad, return
+    to the left  x  1.43 m, y  0.94 m, heading  0.00 rad, support
+    turning      x  1.44 m, y  1.06 m, heading  1.17 rad, down
+    hold         x  1.44 m, y  1.06 m, heading  1.17 rad, stand
 """
 
 from walking_console import Simulation, load_scenario
@@ -21,4 +21,5 @@ for name, command in {
     sim.drive(**command)
     sim.run(seconds=15)
     x, y, _, _, _, yaw = sim.snapshot().body
-    print(f"{name:12} x {x:5.2f} m, y {y:5.2f} m, heading {yaw:5.2f} rad, {sim.mode.name.lower()}")
+    place = f"x {x:z5.2f} m, y {y:z5.2f} m, heading {yaw:5.2f} rad"
+    print(f"{name:12} {place}, {sim.mode.name.lower()}")

@@ -3,7 +3,7 @@
 Prints::
 
     leg 3 swings to (-0.01, -0.47)
-    the body goes 0.187 m in 1.87 s
+    the body goes 0.187 m in 2.11 s
 """
 
 import numpy as np

@@ -4,8 +4,8 @@ The trace planner chooses gait and footholds freely; nothing repeats.
 
 Prints::
 
-    2.77 m along the trace, 17 steps begun
-    4 of 6 legs carry, 225 mm inside their feet
+    2.48 m along the trace, 15 steps begun
+    4 of 6 legs carry, 424 mm inside their feet
 """
 
 from walking_console import Simulation, load_scenario

@@ -2,10 +2,10 @@
 
 Prints::
 
-    seed 1: completed, 15 steps in 28 s
-    seed 2: completed, 15 steps in 27 s
-    seed 3: completed, 16 steps in 27 s
-    seed 4: completed, 15 steps in 28 s
+    seed 1: completed, 15 steps in 30 s
+    seed 2: completed, 15 steps in 31 s
+    seed 3: completed, 16 steps in 32 s
+    seed 4: completed, 15 steps in 30 s
 """
 
 from walking_console import load_scenario, run_scenario

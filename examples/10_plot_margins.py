@@ -2,7 +2,7 @@
 
 Prints::
 
-    polygon margin: 18 mm at least, 172 on average
+    polygon margin: 25 mm at least, 167 on average
 """
 
 import tempfile

@@ -2,8 +2,8 @@
 
 Prints::
 
-    paper      completed: 77 mm/s, 36 steps
-    predictive completed: 79 mm/s, 30 steps
+    paper      completed: 67 mm/s, 32 steps
+    predictive completed: 72 mm/s, 28 steps
 """
 
 from walking_console import load_scenario, run_scenario

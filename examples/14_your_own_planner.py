@@ -4,7 +4,7 @@ This one plans as the crab planner does, and half as fast where the margin is no
 
 Prints::
 
-    1.59 m, 12 steps, 13 of them slowed
+    1.39 m, 11 steps, 12 of them slowed
 """
 
 from dataclasses import replace

@@ -2,8 +2,8 @@
 
 Prints::
 
-    3.50 m on its way, standing
-    sit, the body 0.45 m above the ground
+    3.20 m on its way, standing
+    sit, the body 0.46 m above the ground
 """
 
 from walking_console import Simulation, load_scenario

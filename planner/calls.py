@@ -6,6 +6,8 @@ to its end.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from .initial_stance import Placement
 from .protocols import Capabilities, PlannerSetup
 from .registry import DEFAULT_PLANNER, initial_stance, make_planner
@@ -19,9 +21,9 @@ class StepPlanner:
 
     ``planner`` is ``"crab"`` (Hirose, Fukuda & Kikuchi 1986, four legs), ``"trace"`` (Kugushev &
     Jaroshevskij 1975, four to eight legs) or one of your own (``register_planner``); ``mode`` one
-    of its modes, its default when not given. ``gait`` is the machine's own unless given;
-    ``explain`` fills ``StepPlan.decision``. Raises ``PlannerError``, a ``ValueError``, for what
-    there is not.
+    of its modes, its default when not given. ``gait`` is the machine's own with the body
+    swayed unless given; ``explain`` fills ``StepPlan.decision``. Raises ``PlannerError``, a
+    ``ValueError``, for what there is not.
 
     A planner may remember what it was asked before: use one for one walk.
 
@@ -46,7 +48,7 @@ class StepPlanner:
         explain: bool = False,
     ) -> None:
         self.machine = machine
-        self.gait = gait or machine.gait
+        self.gait = gait or replace(machine.gait, sways=True)
         self._name = planner
         self._mode = mode
         setup = PlannerSetup(machine, self.gait, mode, explain=explain)

@@ -181,7 +181,7 @@ class StepPlan:
     >>> [phase.name for phase in dict.fromkeys(plan.phases)], plan.feet.shape[1:]
     (['SUPPORT', 'UP', 'RETURN', 'DOWN'], (4, 3))
     >>> f"leg {plan.swing[0] + 1} swings in a step of {plan.times[-1]:.2f} s"
-    'leg 3 swings in a step of 1.87 s'
+    'leg 3 swings in a step of 2.11 s'
     """
 
     swing: tuple[int, ...]  # legs in the air: u [H], i1..ik [K]; () is a four-leg shift

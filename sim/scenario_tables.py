@@ -79,7 +79,7 @@ class GaitChange(Table):
     # m/s², most the body speeds up or slows down; what the margin allows when not given
     acceleration: float | None = Field(default=None, gt=0.0, le=20.0)
     # the body bends its way into every support, or goes straight along the reference as printed
-    body: Literal["sway", "straight"] = "straight"
+    body: Literal["sway", "straight"] = "sway"
 
 
 class StartPlace(Table):

@@ -65,7 +65,7 @@ class Simulation:
     >>> sim.drive(crab_angle=0.3, speed=0.1)
     >>> sim.run(seconds=10)
     >>> round(sim.distance, 2), sim.snapshot().step
-    (0.94, 7)
+    (0.76, 6)
     """
 
     def __init__(self, scenario_or_world: Scenario | World, *, explain: bool = False) -> None:

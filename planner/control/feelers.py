@@ -14,6 +14,7 @@ from .execution import Execution, feet_absolute
 
 AHEAD = 0.5  # cosine of how far aside of its way, 60°, a foot takes what it feels for an obstacle
 LOOKS_ON = 0.1  # s of the plan, over which the way of the foot is told
+SUNK = 0.05  # m that a foot stands below what the map has under it, where that is wrong
 CLOSE_BY = 3  # whiskers that touch what stands nearer than ``CLOSE`` of their reach
 CLOSE = math.sqrt(0.5)  # of the reach of one 45° aside, seen straight ahead
 
@@ -36,8 +37,9 @@ class Feelers:
         self._plan: StepPlan | None = None
         # legs that have been off the ground since the plan began
         self._off: set[int] = set()
-        # leg: how high, m, it was when its whiskers first felt what they still feel close by
-        self._tall: dict[int, float] = {}
+        # leg: in which absolute direction its whiskers first felt what they still feel close by,
+        # and how high, m, it was then
+        self._tall: dict[int, tuple[float | None, float]] = {}
 
     def surprise(self, sensing: Sensing, terrain: TerrainMap) -> Touch | None:
         """Case 1 or 3 in the running plan: a swing foot meets what the map does not show, or its
@@ -63,7 +65,8 @@ class Feelers:
         self._look_beside(leg, sensing)
         bearing = self._felt(leg, sensing, terrain)
         event = self._event(encounter, sensing, terrain, bearing)
-        return None if event is None else Touch(event, leg, bearing, self._tall.get(leg))
+        _, tall = self._tall.get(leg, (None, None))
+        return None if event is None else Touch(event, leg, bearing, tall)
 
     def _event(
         self, encounter: Encounter, sensing: Sensing, terrain: TerrainMap, bearing: float | None
@@ -100,12 +103,12 @@ class Feelers:
         return at_top(here, leg, self._run.machine)
 
     def _look_beside(self, leg: int, sensing: Sensing) -> None:
-        """Keep how high the foot was when it first felt what stands close beside it."""
+        """Keep where the foot first felt what stands close beside it, and how high it was."""
         if sensing.whiskers[leg].bit_count() < CLOSE_BY:
             if self._tall:
                 self._tall.pop(leg, None)
         elif leg not in self._tall:
-            self._tall[leg] = feet_absolute(sensing)[leg][2]
+            self._tall[leg] = stands_beside(leg, sensing), feet_absolute(sensing)[leg][2]
 
     def _came_down(
         self, encounter: Encounter, sensing: Sensing, terrain: TerrainMap
@@ -120,16 +123,25 @@ class Feelers:
         return ContactEvent.LANDED if landed else None
 
     def _fell_beside(self, encounter: Encounter, sensing: Sensing, terrain: TerrainMap) -> bool:
-        """True of a foot that went down past what stands close beside it and is not on the map: it
-        missed that, by less than its sole. Whiskers say so at once only: those of a foot that
-        carries feel nothing.
+        """True of a foot that went down past what stands close beside it and is not on the map, or
+        stands ahead of it where the map has it lie under it: it missed that, by less than its sole.
+        Whiskers say so at once only: those of a foot that carries feel nothing.
         """
         leg = encounter.leg
         if encounter.state is not FootState.DESCEND or leg not in self._tall:
             return False
         if not sensing.soles[leg]:
             return False
-        return not self._is_shown(feet_absolute(sensing)[leg], terrain)
+        foot = feet_absolute(sensing)[leg]
+        if not self._is_shown(foot, terrain):
+            return True
+        return self._is_ahead(leg) and terrain.height_at(foot[0], foot[1]) > foot[2] + SUNK
+
+    def _is_ahead(self, leg: int) -> bool:
+        """True when what stands close beside a foot stands where the machine is going."""
+        beside, _ = self._tall[leg]
+        plan = self._run.plan
+        return beside is not None and math.cos(beside - plan.end.body[3] - plan.crab_angle) > AHEAD
 
     def _drags(self, leg: int, sensing: Sensing) -> bool:
         """True when a foot that was off the ground drags over it on its way."""

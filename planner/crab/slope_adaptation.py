@@ -85,7 +85,7 @@ class SlopeAdaptation:
                 )
             frame = self.frame(stance, command, terrain, may_lean=False)
             answer = yield from self._planned(frame, command)
-        if isinstance(answer, StepPlan) or frame.machine is self.machine:
+        if isinstance(answer, StepPlan) or frame.machine == self.machine:
             return answer
         # feet where the shorter strides do not want them
         return (yield from self._planner_for(self.machine)(stance, command, terrain))

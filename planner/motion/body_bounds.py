@@ -16,6 +16,7 @@ from ..types import Gait, Stance
 from .body_path import edges_across
 
 RESERVE = 0.005  # m of margin that slowing down leaves; less: see the machine rock as it stops
+BRISK = 0.5  # m/s², most of a body that walks; more: see it rock on legs that give
 STEEPEST = 1.0  # m/s², most to slow down by; more: see a body jerk that is nowhere near an edge
 PARALLEL = 1e-6  # an edge that a way nears by less of its length lies along it
 LOWEST = 0.05  # m; a body nearer to the ground counts as so high
@@ -29,11 +30,20 @@ class Bounds(NamedTuple):
     acceleration: float  # m/s², at which the margin is just kept
     height: float = 0.0  # of the body above its feet, m; 0 where the acceleration is given
 
+    def brisk(self, margin: float) -> float:
+        """The most a body with a margin, m, may speed up, slow down or swing aside as it walks,
+        m/s²: g·margin/h, as where the wanted margin is just kept at least.
+        """
+        return self._within(margin, BRISK)
+
     def steepest(self, room: float) -> float:
         """The most a body with so much room ahead, m, may slow down, m/s²."""
+        return self._within(room, STEEPEST)
+
+    def _within(self, room: float, most: float) -> float:
         if self.height <= 0.0:
             return self.acceleration
-        return max(self.acceleration, min(GRAVITY * room / self.height, STEEPEST))
+        return max(self.acceleration, min(GRAVITY * room / self.height, most))
 
 
 def bounds_of(stance: Stance, gait: Gait) -> Bounds:

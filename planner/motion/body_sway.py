@@ -156,13 +156,27 @@ def _in_time(task: _Task, table: _Table) -> _Way:
     """The way through a step that takes as long as body and feet need."""
     for k in range(ROUNDS):
         way = _Way.through(task, table)
-        hurry = way.hurry(task.bounds, k)
+        before, after = way.hurries(task.bounds, task.machine)
+        hurry = max(before, after)
+        hurry = hurry if k > PATIENCE else math.sqrt(hurry)
         feet = way.foot_hurry(task.machine)
         if max(hurry, feet) <= IN_TIME:
             break
-        on_all_feet = hurry > feet and way.hurries_on_all_feet
-        table = table.slower(min(max(hurry, feet), FOREVER), on_all_feet)
+        on_all_feet = hurry > feet and before >= after
+        even = _evened(task, way) if on_all_feet and task.stop is None else None
+        table = even or table.slower(min(max(hurry, feet), FOREVER), on_all_feet)
     return way
+
+
+def _evened(task: _Task, way: _Way) -> _Table | None:
+    """The table with no more time on all feet than the body's speed needs to go over evenly to that
+    of the rest of the step, where that is all it needs: given more, it would have to brake.
+    """
+    seconds = way.evenly
+    if not SOONEST < seconds < way.table.times[way.table.lift] - SOONEST:
+        return None
+    sooner = _Way.through(task, way.table.on_all_feet_until(seconds))
+    return sooner.table if max(sooner.hurries(task.bounds, task.machine)) <= IN_TIME else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -239,6 +253,10 @@ class _Table:
         ]
         return replace(self, times=times, foot_rates=rates)
 
+    def on_all_feet_until(self, seconds: float) -> _Table:
+        """The same with a leg that lifts so many seconds after the beginning."""
+        return self.slower(seconds / self.times[self.lift], on_all_feet=True)
+
     def on_all_feet_for(self, seconds: float) -> _Table:
         """The same with so much time on all feet at least before a leg lifts."""
         missing = seconds - self.times[self.lift]
@@ -288,11 +306,11 @@ class _Way:
         self.table = table.with_times(self.times_within(table.times[-1]))
         self.rows = self.motions(self.table.times)
         self._bends = [
-            _most_between(*ends, after - before) if after > before else 0.0
+            _accelerations(*ends, after - before) if after > before else (0.0, 0.0)
             for ends, (before, after) in zip(
                 pairwise(self.rows), pairwise(self.table.times), strict=True
             )
-        ]  # m/s², the most of every stretch of the table
+        ]  # m/s², at both ends of every stretch of the table
         self._least: float | None = None  # of its margins, m, when they have been worked out
 
     @classmethod
@@ -355,32 +373,46 @@ class _Way:
             out.append(motion)
         return out
 
-    def hurry(self, bounds: Bounds, rounds: int) -> float:
-        """By which factor the step should be longer for the body's acceleration; 1: it is well.
-        After some ``rounds`` it is less patient: a speed to lose takes more than a way to go.
+    def hurries(self, bounds: Bounds, machine: Machine) -> XY:
+        """The most by which the body speeds up or slows down, over what it may where it is then:
+        before a leg lifts, and after. More than 1: the step should be longer.
+
+        It is looked at where the cubics from one knot of the table to the next begin and end:
+        between them it is less, and the body no nearer to an edge than at one of them.
         """
-        most = self._acceleration(self.thrown, self.table.times[-1]) / bounds.acceleration
-        return most if rounds > PATIENCE else math.sqrt(most)
+        table = self.table
+        most = [0.0, 0.0]
+        start = self.thrown + SOONEST / 2
+        for k, ((a, b), bends) in enumerate(zip(pairwise(table.times), self._bends, strict=True)):
+            if b <= start or b - a < STILL:
+                continue
+            lifted = k >= table.lift
+            for knot, acceleration in zip((k, k + 1), bends, strict=True):
+                share = acceleration / bounds.acceleration
+                if share > most[lifted] and share > 1.0:
+                    margin = self._margin_at(knot, self.rows[knot].body, lifted, machine)
+                    share = acceleration / bounds.brisk(margin)
+                most[lifted] = max(most[lifted], share)
+        return most[0], most[1]
 
     @property
-    def hurries_on_all_feet(self) -> bool:
-        """True when it is before a leg lifts that the body is in a hurry."""
-        lift = self.table.times[self.table.lift]
-        return self._acceleration(self.thrown, lift) >= self._acceleration(
-            lift, self.table.times[-1]
-        )
-
-    def _acceleration(self, start: float, end: float) -> float:
-        """The most over the ground between two times, m/s²: at an end of the cubic from one knot of
-        the table to the next.
+    def evenly(self) -> float:
+        """How long the body should take on all feet so that its speed goes evenly over from what it
+        has to that of the rest of the step, s; 0 where no leg lifts.
         """
-        most = 0.0
-        start += SOONEST / 2
-        end -= SOONEST / 2
-        for (a, b), bend in zip(pairwise(self.table.times), self._bends, strict=True):
-            if bend > most and b > start and a < end and b - a >= STILL:
-                most = bend
-        return most
+        table = self.table
+        lift = table.times[table.lift]
+        swinging = table.times[-1] - lift
+        if table.lift == 0 or swinging < SOONEST:
+            return 0.0
+        later = (self.course.length - table.lift_length) / swinging
+        return 2.0 * table.lift_length / max(self.progress[0].rate + later, STILL)
+
+    def _margin_at(self, knot: int, body: Body, lifted: bool, machine: Machine) -> float:
+        """The polygon margin at a knot of the table with the leg lifted or not yet, m."""
+        polygon = self.course.after if lifted and self.course.after else self.course.before
+        dx, dy = centre_over(machine, body, self.table.feet[knot])
+        return polygon_margin(polygon, body[0] + dx, body[1] + dy)
 
     def foot_hurry(self, machine: Machine) -> float:
         """Speed of the fastest foot against the body, over its limit."""
@@ -404,7 +436,7 @@ class _Way:
             farther = max(first, last)
             first = last
             most = max(most, farther)
-            if farther + self._bends[k] * (b - a) ** 2 / 8.0 <= 0.0:
+            if farther + max(self._bends[k]) * (b - a) ** 2 / 8.0 <= 0.0:
                 continue
             inner = (_between(before, after, b - a, share) for share in BETWEEN)
             most = max(most, *(beyond(body, lifted) for body in inner))
@@ -450,8 +482,8 @@ def _between(before: Motion, after: Motion, seconds: float, share: float) -> Bod
     return x, y, z, yaw
 
 
-def _most_between(before: Motion, after: Motion, seconds: float) -> float:
-    """The largest acceleration over the ground of the cubic between two motions, m/s²."""
+def _accelerations(before: Motion, after: Motion, seconds: float) -> XY:
+    """Those over the ground at both ends of the cubic between two motions, m/s²."""
     (x, y, _, _), (begin_x, begin_y, _, _) = before
     (to_x, to_y, _, _), (end_x, end_y, _, _) = after
     mean_x = 3.0 * ((to_x - x) / seconds)
@@ -464,7 +496,7 @@ def _most_between(before: Motion, after: Motion, seconds: float) -> float:
         2.0 * (begin_x + 2.0 * end_x - mean_x) / seconds,
         2.0 * (begin_y + 2.0 * end_y - mean_y) / seconds,
     )
-    return max(first, last)
+    return first, last
 
 
 def _least_margin(course: Course, table: _Table, rows: Sequence[Motion], machine: Machine) -> float:

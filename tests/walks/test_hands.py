@@ -62,8 +62,10 @@ def test_a_stick_pushed_farther_and_farther_out_is_answered_meanwhile():
         Command(0.3, f * 0.08, f * 0.06)
         for f in (1.0 + 0.5 * math.sin(k / 25) for k in range(SECONDS * 50))
     ]
-    seen, stood = walked(positions)
-    assert seen.way > 0.08 * SECONDS * 0.8 and seen.stood < 2.5 and not seen.amiss
+    rested, stood = walked([Command(0.3, 0.08, 0.06)] * (SECONDS * 50))
+    pushed, stood_too = walked(positions)
+    assert pushed.way > 0.9 * rested.way and rested.way > 0.8 * 0.08 * SECONDS
+    assert stood_too <= stood + 10 and pushed.stood < 2.5 and not pushed.amiss
 
 
 @pytest.mark.parametrize("body", ["straight", "sway"])

@@ -64,13 +64,18 @@ def ringed(legs: int) -> str:
     )
 
 
+# the free gait is as fast as a tripod; swayed, the body has farther to go between its supports
+@pytest.mark.parametrize(("body", "least"), [("straight", 0.95), ("sway", 0.9)])
 @pytest.mark.parametrize("legs", [7, 8])
-def test_more_legs_walk_the_tripod_too_which_lifts_four_at_a_time(legs: int) -> None:
-    keys = (f"robot={ringed(legs)}", "end={time=10.0}", "drive=[{speed=0.3}]")
+def test_more_legs_walk_the_tripod_too_which_lifts_four_at_a_time(
+    legs: int, body: str, least: float
+) -> None:
+    drive = "drive=[{speed=0.3}]"
+    keys = (f"robot={ringed(legs)}", "end={time=10.0}", drive, f"gait.body={body}")
     wave = walked(SIX, *keys, "gait.rigid=wave")
     tripod = walked(SIX, *keys, "gait.rigid=tripod")
     free = run_scenario(load_scenario("flat", (*keys, "planner=trace", "expect={}")))
     for summary in (wave, tripod, free):
         assert summary["result"] == "completed" and summary["falls"] == 0
     assert tripod["distance"] > 3.0 * wave["distance"] > 0.6
-    assert free["distance"] >= 0.95 * tripod["distance"]
+    assert free["distance"] >= least * tripod["distance"]

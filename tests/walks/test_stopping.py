@@ -12,7 +12,7 @@ from walking_console.sim.world import prepare
 WALK = Command(0.0, 0.08)
 HOLD = Command()
 REST = 30  # ticks, the longest a body that sways takes to come to rest
-WAY = 0.033  # m it goes on meanwhile at most
+WAY = 0.042  # m it goes on meanwhile at most, where it swings aside at 0.2 m/s
 PRINTED = 'gait.body="straight"'
 SWAYED = 'gait.body="sway"'
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.sweeps.stops import stop_after
-from walking_console.planner.motion.body_bounds import STEEPEST
+from walking_console.planner.motion.body_bounds import BRISK, STEEPEST
 from walking_console.planner.types import Mode
 
 from .telling import walked
@@ -17,13 +17,22 @@ def acceleration(log):
     return np.hypot(*(np.diff(places, 2, axis=0) / 0.02**2).T)
 
 
+def over_allowed(log):
+    """The acceleration of every tick over g·margin/h, the margin of 20 mm and more."""
+    margin = np.maximum(log["polygon_margin"], 0.02)
+    # where a leg lifts or lands between two ticks, that of before or of after
+    margin = np.maximum.reduce([margin[:-2], margin[1:-1], margin[2:]])
+    height = log["body"][1:-1, 2] - log["feet"][1:-1, :, 2].min(axis=1)
+    return acceleration(log) / (9.81 * margin / height)
+
+
 @pytest.mark.parametrize("angle", [0.0, 45.0, 90.0])
 def test_on_level_ground_the_margin_and_the_acceleration_are_kept_at_every_tick(tmp_path, angle):
     drive = f"drive=[{{t=0.0,crab_angle_deg={angle},speed=0.08}}]"
     walk = walked(tmp_path, "flat", *SWAY, drive, "end={time=30.0}")
     assert min(step["planned_polygon_margin_min"] for step in walk.steps) >= 0.02
-    assert acceleration(walk.log).max() <= 0.25
-    assert walk.summary["mean_speed"] >= (0.97 if angle == 0.0 else 0.77) * 0.08
+    assert over_allowed(walk.log).max() <= 1.0 and acceleration(walk.log).max() <= BRISK
+    assert walk.summary["mean_speed"] >= (0.9 if angle == 90.0 else 0.97) * 0.08
 
 
 @pytest.mark.parametrize("name", ["river", "holes"])
@@ -42,10 +51,11 @@ def test_six_legs_keep_it_along_a_curve(tmp_path):
 def test_a_trace_with_corners_is_walked_without_jerks(tmp_path):
     walk = walked(tmp_path, "k-free-vs-rigid", *SWAY)
     assert walk.summary["result"] == "completed"
-    # g·20 mm/0.5 m is 0.39 m/s²; a quarter more where a corner comes too soon to slow down for it
+    assert over_allowed(walk.log).max() <= 1.0
     stops = walk.log["mode"] == Mode.SETTLE
     stops = stops[:-2] | stops[1:-1] | stops[2:]
-    assert acceleration(walk.log)[~stops].max() <= 0.5
+    # a twentieth more where a corner comes too soon to slow down for it
+    assert acceleration(walk.log)[~stops].max() <= 1.05 * BRISK
     assert acceleration(walk.log)[stops].max() <= STEEPEST * 1.001
 
 
@@ -62,8 +72,7 @@ def test_feet_come_down_softly_on_known_ground_and_the_body_has_no_jumps(tmp_pat
     walk = walked(tmp_path, name, 'gait.body="sway"')
     assert all(expected["pass"] for expected in walk.summary["expect"].values())
     assert touch_speeds(walk).max() <= 0.15
-    most = 9.81 * 0.02 / (0.4 if name == "tripod" else 0.65)
-    assert acceleration(walk.log).max() <= most
+    assert over_allowed(walk.log).max() <= 1.0 and acceleration(walk.log).max() <= BRISK
 
 
 @pytest.mark.parametrize("speed", [0.08, 0.5])
@@ -79,7 +88,7 @@ def test_a_creeping_stick_that_is_pushed_is_answered_within_the_acceleration(tmp
     """A step planned for minutes is played ever faster, and as planned again at its end."""
     drive = f"drive=[{{t=0.0,speed={slow}}},{{t=4.0,speed=0.25}}]"
     walk = walked(tmp_path, "flat", *SWAY, drive, "end={time=20.0}")
-    assert acceleration(walk.log).max() <= 0.25
+    assert over_allowed(walk.log).max() <= 1.0 and acceleration(walk.log).max() <= BRISK
     assert walk.summary["distance"] >= 1.2
 
 
