@@ -126,6 +126,9 @@ class Compliance:
     press: float = 1.0
     # of a reading that is believed where sensors scatter. More: see it shiver; less: see it lag
     filter: float = 0.1
+    # of what loads say in a tick of where the centre of gravity truly is. More: see the body shift
+    # with every push; less: see it lean for long; 0: the file's place and weight are believed
+    centre: float = 0.003
 
 
 @dataclass(frozen=True, slots=True)

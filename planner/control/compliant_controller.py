@@ -19,12 +19,13 @@ from ..statics import RAMP
 from ..types import TICK, Point, Sensing, StepPlan
 from .foot_controller import ZERO, ReflexState
 from .load_schedule import LoadSchedule, body_frame_feet
+from .senses import Senses
 from .sensor_filter import SensorFilter
 from .tracking import PlanStretch, TrajectoryTracker
 
 WALKED_IN_A_TICK = 1.5 * TICK  # s; more of a plan than this is broken off, not left over
-SLIP_TICKS = 50  # a slip is remembered; fewer: see it speed up and slip again
 UNLOADED = 0.02  # of a leg's even share; a foot meant to carry less is not made to reach for it
+IDLE = 0.1  # of the same; a foot meant to carry less is not waited for
 
 
 class CompliantController:
@@ -35,7 +36,6 @@ class CompliantController:
 
     def __init__(self, machine: Machine, config: PlannerConfig, printed: bool = False) -> None:
         self.loads: tuple[float, ...] = (0.0,) * len(machine.legs)
-        self.slips = False  # a foot slips, or has just slipped
         self._machine = machine
         self._gains = _as_printed(config.gains) if printed else config.compliance
         self._printed = printed
@@ -47,8 +47,7 @@ class CompliantController:
         self._last: Sequence[float] = ()  # loads of the tick before, N
         self._offset: list[float] = []  # of the loads of the plan before from this one's
         self._blend = 0.0  # of that offset there is still
-        self._filter: SensorFilter | None = None
-        self._slipped = 0  # ticks that a slip is still remembered
+        self._senses = Senses(machine, 0.0 if printed else config.compliance.centre)
 
     @staticmethod
     def wanted(
@@ -60,17 +59,19 @@ class CompliantController:
             return None
         controller = CompliantController(machine, config, law == "printed")
         if plant.scatters:
-            controller._filter = SensorFilter(config.compliance.filter)
+            controller._senses.filter = SensorFilter(config.compliance.filter)
         return controller
 
+    @property
+    def slips(self) -> bool:
+        """A foot slips, or has just slipped."""
+        return self._senses.slips
+
     def believed(self, sensing: Sensing) -> Sensing:
-        """What is believed of a reading: all of it, unless the sensors scatter. A foot that slips
-        is taken note of.
+        """What is believed of a reading, by a body whose centre of gravity is where its loads say.
+        A foot that slips is taken note of.
         """
-        slips = any(on and slid for on, slid in zip(sensing.soles, sensing.slipping, strict=True))
-        self._slipped = SLIP_TICKS if slips else max(0, self._slipped - 1)
-        self.slips = self._slipped > 0
-        return sensing if self._filter is None else self._filter.believed(sensing)
+        return self._senses.believed(sensing)
 
     def take_over(self, old: TrajectoryTracker, left: float) -> None:
         """Another plan begins. What is ``left`` of the old one, s, is walked in its first tick when
@@ -94,7 +95,8 @@ class CompliantController:
         self, tracker: TrajectoryTracker, t_next: float, sensing: Sensing, state: ReflexState
     ) -> tuple[list[Point], ReflexState]:
         """One tick: the feet's velocities in body axes, m/s, that follow the plan to ``t_next``."""
-        wanted = self._wanted(tracker, t_next)
+        weight = self._senses.centre.weight
+        wanted = [weight * load for load in self._wanted(tracker, t_next)]
         self.loads = tuple(self._gains.press * load for load in wanted)
         before = self._aims or body_frame_feet(tracker, 0.0)
         aims = body_frame_feet(tracker, t_next)
@@ -114,8 +116,7 @@ class CompliantController:
         if self._rest is not None:
             out = [_plus(v, rest) for v, rest in zip(out, self._rest, strict=True)]
             self._rest = None
-        if self._filter is not None:
-            self._filter.expect(out)
+        self._senses.expect(out, tracker.bending_at(t_next))
         return out, state
 
     def foresee(self, following: StepPlan | None) -> None:
@@ -128,7 +129,7 @@ class CompliantController:
         """Legs that carry next to nothing at ``t`` and as soon as loads are shifted after it."""
         if self._schedule is None:
             return ()
-        least = UNLOADED * left_fold_sum(self.loads) / len(self.loads)
+        least = IDLE * left_fold_sum(self.loads) / len(self.loads)
         soon = self._schedule.at(t + RAMP)
         both = zip(self.loads, soon, strict=True)
         return tuple(leg for leg, (now, then) in enumerate(both) if max(now, then) < least)
