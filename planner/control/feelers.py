@@ -14,7 +14,6 @@ from .execution import Execution, feet_absolute
 
 AHEAD = 0.5  # cosine of how far aside of its way, 60°, a foot takes what it feels for an obstacle
 LOOKS_ON = 0.1  # s of the plan, over which the way of the foot is told
-SUNK = 0.05  # m that a foot stands below what the map has under it, where that is wrong
 CLOSE_BY = 3  # whiskers that touch what stands nearer than ``CLOSE`` of their reach
 CLOSE = math.sqrt(0.5)  # of the reach of one 45° aside, seen straight ahead
 
@@ -123,24 +122,22 @@ class Feelers:
         return ContactEvent.LANDED if landed else None
 
     def _fell_beside(self, encounter: Encounter, sensing: Sensing, terrain: TerrainMap) -> bool:
-        """True of a foot that went down past what stands close beside it and is not on the map, or
-        stands ahead of it where the map has it lie under it: it missed that, by less than its sole.
-        Whiskers say so at once only: those of a foot that carries feel nothing.
+        """True of a foot that met something, or no ground where the map has it, and came down close
+        before what stands there: it missed that, by less than its sole. What stands behind one that
+        went down may well be what it comes from, and be on the map. Whiskers say so at once only:
+        those of a foot that carries feel nothing.
         """
         leg = encounter.leg
-        if encounter.state is not FootState.DESCEND or leg not in self._tall:
+        if encounter.state not in _SURPRISED or leg not in self._tall or not sensing.soles[leg]:
             return False
-        if not sensing.soles[leg]:
-            return False
-        foot = feet_absolute(sensing)[leg]
-        if not self._is_shown(foot, terrain):
-            return True
-        return self._is_ahead(leg) and terrain.height_at(foot[0], foot[1]) > foot[2] + SUNK
+        if self._is_ahead(leg) or encounter.state is FootState.RETRY:
+            return self._is_ahead(leg)
+        return not self._is_shown(feet_absolute(sensing)[leg], terrain)
 
     def _is_ahead(self, leg: int) -> bool:
         """True when what stands close beside a foot stands where the machine is going."""
         beside, _ = self._tall[leg]
-        plan = self._run.plan
+        plan = self._run.interrupted or self._run.plan
         return beside is not None and math.cos(beside - plan.end.body[3] - plan.crab_angle) > AHEAD
 
     def _drags(self, leg: int, sensing: Sensing) -> bool:
@@ -180,6 +177,7 @@ class Feelers:
 
 
 _LIFTED_FIRST = (FootState.RETRY, FootState.PLACE)
+_SURPRISED = (FootState.RETRY, FootState.DESCEND)
 _MOVING_ON = (FootState.RETRY, FootState.PLACE, FootState.RETRACE)
 
 

@@ -167,7 +167,7 @@ def walls(seeds: range) -> Walks:
                                 f"terrain.angle_deg={angle}",
                                 f"terrain.at={2.4 + 0.05 * seed}",
                                 "drive=[{t=0.0, speed=0.08}]",
-                                "end={time=120.0, distance=6.0}",
+                                "end={time=240.0, distance=6.0}",
                             ),
                         )
 
@@ -187,6 +187,14 @@ def stairs(seeds: range) -> Walks:
                             f"seed={seed}",
                         ),
                     )
+
+
+def treads(seeds: range) -> Walks:
+    """The same in the paper's mode, the first edge at nine places 2.5 cm apart."""
+    for name in ("fig15", "fig17-up", "fig17-down"):
+        for place in range(9):
+            at = f"terrain.at={1.2 + 0.025 * place}"
+            yield name, ("sensing=none", "mode=paper", at, "seed=1")
 
 
 def banks(seeds: range) -> Walks:
@@ -269,6 +277,7 @@ KINDS: dict[str, Callable[[range], Walks]] = {
     "fields": fields,
     "walls": walls,
     "stairs": stairs,
+    "treads": treads,
     "banks": banks,
     "rivers": rivers,
     "noise": noise,
@@ -320,6 +329,7 @@ def summary(walks: list[Told]) -> str:
             f"{1000 * max(told.slide for told in walks):.1f}",
             f"{left_fold_sum(told.halts for told in walks) / n:.1f}",
             f"{left_fold_sum(told.predictions for told in walks) / n:.1f}",
+            f"{sum(told.forbidden for told in walks)}",
         )
     )
 

@@ -58,6 +58,14 @@ def test_stairs_are_walked_by_touch_alone_in_the_papers_mode(
     assert_stands_well(told)
 
 
+@pytest.mark.parametrize("at", [1.225, 1.275, 1.375])
+def test_so_they_are_wherever_they_begin(at: float) -> None:
+    told = walk("fig17-up", "sensing=none", "mode=paper", f"terrain.at={at}", "gait.body=sway")
+    assert told.ending == ("completed", "distance")
+    assert told.forbidden == 0 and told.encounters.get("hit", 0) <= 15
+    assert_stands_well(told)
+
+
 @pytest.mark.parametrize("mode", ["predictive", "paper"])
 @pytest.mark.parametrize("angle", [0, 30, 60])
 @pytest.mark.parametrize("height", [0.4, 1.0])

@@ -93,6 +93,7 @@ def test_what_happens_in_an_encounter(state, t, landed, event):
 
 
 BESIDE = 0b10000011  # straight ahead and on both sides of it
+BEHIND = 0b00111000
 
 
 LOW = TerrainMap(GROUND.heights - 1.0, GROUND.forbidden, GROUND.cell, GROUND.origin)
@@ -112,16 +113,23 @@ def gone_down(whiskers, terrain=LOW, state=FootState.DESCEND):
     return touch, z
 
 
-def test_a_foot_that_went_down_close_beside_something_tall_is_on_a_bad_foothold():
-    touch, z = gone_down(BESIDE)
+@pytest.mark.parametrize("state", [FootState.DESCEND, FootState.RETRY])
+@pytest.mark.parametrize("terrain", [LOW, GROUND])
+def test_a_surprised_foot_that_comes_down_close_before_something_is_on_a_bad_foothold(
+    state, terrain
+):
+    touch, z = gone_down(BESIDE, terrain, state)
     assert touch is not None and touch.event is ContactEvent.EDGE
     assert touch.tall == pytest.approx(z)
 
 
-def test_something_farther_off_or_on_the_map_or_beside_a_foot_as_planned_is_not():
-    for touch, _ in (
-        gone_down(AHEAD_BIT),
-        gone_down(BESIDE, GROUND),
-        gone_down(BESIDE, state=FootState.RETRY),
-    ):
-        assert touch is None
+def test_what_stands_close_behind_one_that_went_down_is_bad_where_the_map_does_not_show_it():
+    touch, _ = gone_down(BEHIND)
+    assert touch is not None and touch.event is ContactEvent.EDGE
+    assert gone_down(BEHIND, GROUND)[0] is None
+    assert gone_down(BEHIND, state=FootState.RETRY)[0] is None
+
+
+def test_something_farther_off_or_beside_a_foot_that_is_put_where_ground_was_found_is_not_bad():
+    assert gone_down(AHEAD_BIT)[0] is None
+    assert gone_down(BESIDE, state=FootState.PLACE)[0] is None
