@@ -18,7 +18,7 @@ from .robot.chains import LegChain, Masses
 from .robot.kinematics import inverse, leg_moment, solved
 from .robot.model import Machine
 from .simplex import least_cost
-from .stability import GRAVITY
+from .stability import GRAVITY, polygon_margin, support_polygon
 
 # s over which a leg takes its load up or gives it away; shorter, see the body jolt at lift-off,
 # longer, see the leg that lifts leave the others less time
@@ -73,6 +73,25 @@ def zero_moment_point(centre: XY, height: float, acceleration: XY) -> XY:
     """Where feet must push for a centre of gravity so far above them, m, to speed up so, m/s²."""
     lever = height / GRAVITY
     return centre[0] - lever * acceleration[0], centre[1] - lever * acceleration[1]
+
+
+def pushed_at(
+    centre: Point, acceleration: XY, feet: Sequence[Sequence[float]], shares: Sequence[float]
+) -> XY:
+    """Where feet that count as carrying by ``shares`` push for a centre of gravity to speed up so.
+
+    While a foot takes its load up or gives it away, as much less of the acceleration counts, and
+    none where the feet that carry could not push there.
+    """
+    on = [foot for foot, share in zip(feet, shares, strict=True) if share > 0.0]
+    if not on:
+        return centre[0], centre[1]
+    counts = min((share for share in shares if share > 0.0), default=1.0)
+    ground = left_fold_sum(foot[2] for foot in on) / len(on)
+    ax, ay = counts * acceleration[0], counts * acceleration[1]
+    place = zero_moment_point((centre[0], centre[1]), centre[2] - ground, (ax, ay))
+    inside = polygon_margin(support_polygon(on), *place) > 0.0
+    return place if inside else (centre[0], centre[1])
 
 
 def _moment_of_leg(chain: LegChain, masses: Masses, foot: Point) -> Point:

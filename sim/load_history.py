@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from walking_console.planner.geometry.transforms import XY, left_fold_sum
 from walking_console.planner.robot.model import Machine
 from walking_console.planner.stability import GRAVITY
-from walking_console.planner.statics import RAMP, load_share, planned_loads, zero_moment_point
+from walking_console.planner.statics import RAMP, load_share, planned_loads, pushed_at
 from walking_console.planner.types import TICK
 
 from .margins import true_centre
@@ -65,20 +63,6 @@ def accelerations(body: _Floats) -> _Floats:
     return changes
 
 
-def pushed_at(
-    machine: Machine,
-    body: Sequence[float],
-    feet: Sequence[Sequence[float]],
-    acceleration: XY,
-    shares: Sequence[float],
-) -> XY:
-    """The zero-moment point of a machine whose body speeds up so, m/s², on the feet that carry."""
-    x, y, z = true_centre(machine, body, feet)
-    heights = [foot[2] for foot, share in zip(feet, shares, strict=True) if share > 0.0]
-    height = z - left_fold_sum(heights) / len(heights) if heights else 0.0
-    return zero_moment_point((x, y), height, acceleration)
-
-
 def loads_over(
     machine: Machine,
     body: _Floats,
@@ -93,7 +77,9 @@ def loads_over(
     if changes is None:
         changes = np.zeros((len(body), 2))
     rows = zip(body.tolist(), feet.tolist(), changes.tolist(), shares.tolist(), strict=True)
-    centres = np.array([pushed_at(machine, *row) for row in rows]).reshape(-1, 2)
+    centres = np.array(
+        [pushed_at(true_centre(machine, at, on), change, on, part) for at, on, change, part in rows]
+    ).reshape(-1, 2)
     weight = machine.mass * GRAVITY
     arms = np.concatenate(
         [np.ones((*shares.shape, 1)), feet[:, :, :2] - centres[:, None, :]], axis=2

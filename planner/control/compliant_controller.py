@@ -45,6 +45,7 @@ class CompliantController:
         self._rest: list[Point] | None = None  # of the way of the plan before
         self._following: StepPlan | None = None
         self._last: Sequence[float] = ()  # loads of the tick before, N
+        self._time = 0.0  # into the plan, of the tick before, s
         self._offset: list[float] = []  # of the loads of the plan before from this one's
         self._blend = 0.0  # of that offset there is still
         self._senses = Senses(machine, 0.0 if printed else config.compliance.centre)
@@ -78,6 +79,11 @@ class CompliantController:
         that is all there was to walk in one.
         """
         over = left <= WALKED_IN_A_TICK
+        if self._schedule and self._last:
+            # what speeding up adds ends with it; the rest is taken over
+            moving, resting = self._schedule.at(self._time), self._schedule.resting(self._time)
+            parts = zip(self._last, moving, resting, strict=True)
+            self._last = tuple(last - a + b for last, a, b in parts)
         self._since = self._schedule.since_landing() if over and self._schedule else {}
         self._rest = None
         if over and self._aims is not None:
@@ -146,7 +152,7 @@ class CompliantController:
         """
         if self._schedule is None:
             self._schedule = LoadSchedule(tracker, self._machine, self._since)
-            starts = self._schedule.at(t)
+            starts = self._schedule.resting(t)
             last = self._last or starts
             self._offset = [a - b for a, b in zip(last, starts, strict=True)]
             self._blend = 1.0
@@ -155,6 +161,7 @@ class CompliantController:
             self._blend = max(0.0, self._blend - TICK / RAMP)
             wanted = tuple(a + self._blend * b for a, b in zip(wanted, self._offset, strict=True))
         self._last = wanted
+        self._time = t
         return wanted
 
     def _carry(

@@ -13,19 +13,19 @@ from bisect import bisect_right
 from collections.abc import Mapping
 
 from ..geometry.transforms import (
-    XY,
     attitude_of,
-    left_fold_sum,
     rotation,
     turned_back_by,
     turned_by,
 )
 from ..robot.model import Machine
 from ..stability import GRAVITY
-from ..statics import RAMP, centre_of_gravity, load_share, planned_loads, zero_moment_point
+from ..statics import RAMP, centre_of_gravity, load_share, planned_loads, pushed_at
 from ..types import Phase, Point, StepPlan
 from .tracking import TrajectoryTracker
 
+# s after a knot: a body's acceleration jumps there, and a leg that rises belongs to what follows
+SOON = 1e-6
 SAMPLE = 0.1  # s between loads that are worked out. Longer: see them off where the body speeds up
 
 
@@ -102,24 +102,27 @@ class LoadSchedule:
         share = (t - times[k]) / (times[k + 1] - times[k])
         return tuple(a + share * (b - a) for a, b in zip(low, high, strict=True))
 
+    def resting(self, t: float) -> tuple[float, ...]:
+        """The same if the body did not speed up or slow down at ``t``."""
+        return self._worked_out(t, speeding=False)
+
     def _row(self, k: int) -> tuple[float, ...]:
         row = self._rows[k]
         if row is None:
             row = self._rows[k] = self._worked_out(self._times[k])
         return row
 
-    def _worked_out(self, t: float) -> tuple[float, ...]:
+    def _worked_out(self, t: float, *, speeding: bool = True) -> tuple[float, ...]:
         machine = self._machine
         tracker = self._tracker
         feet = [tracker.foot_at(leg, t) for leg in range(len(machine.legs))]
         shares = [self._share(leg, t) for leg in range(len(machine.legs))]
-        heights = [foot[2] for foot, share in zip(feet, shares, strict=True) if share > 0.0]
-        ground = left_fold_sum(heights) / len(heights) if heights else 0.0
-        weight = machine.mass * GRAVITY
-        return planned_loads(weight, self._pushed_at(t, ground), feet, shares).newtons
+        change = tracker.bending_at(t + SOON) if speeding else (0.0, 0.0)
+        place = pushed_at(self._centre(t), change, feet, shares)
+        return planned_loads(machine.mass * GRAVITY, place, feet, shares).newtons
 
-    def _pushed_at(self, t: float, ground: float) -> XY:
-        """The zero-moment point over feet at this height, m."""
+    def _centre(self, t: float) -> Point:
+        """Of gravity, absolute, m."""
         tracker = self._tracker
         x, y, z, yaw = tracker.body_at(t)
         roll, pitch = attitude_of(tracker.lean_at(t), yaw) if tracker.leans else (0.0, 0.0)
@@ -127,7 +130,7 @@ class LoadSchedule:
             rotation(roll, pitch, yaw),
             centre_of_gravity(self._machine, body_frame_feet(tracker, t)),
         )
-        return zero_moment_point((x + cx, y + cy), z + cz - ground, tracker.bending_at(t))
+        return x + cx, y + cy, z + cz
 
     def _share(self, leg: int, t: float) -> float:
         """How much a leg counts as carrying, 0 to 1."""

@@ -23,10 +23,11 @@ from walking_console.planner.geometry.transforms import (
 )
 from walking_console.planner.robot.model import Machine
 from walking_console.planner.stability import GRAVITY
-from walking_console.planner.statics import planned_loads
+from walking_console.planner.statics import planned_loads, pushed_at
 from walking_console.planner.types import TICK, Stance
 
-from ..load_history import accelerations, pushed_at, shares_over
+from ..load_history import accelerations, shares_over
+from ..margins import true_centre
 from ..terrain.ground import Ground
 from .plant import PhysicsPlant
 from .settings import Physics
@@ -123,7 +124,8 @@ class Reenactment:
         shares = self._shares[tick].tolist()
         feet = recording.feet[tick].tolist()
         ax, ay = self._changes[tick].tolist()
-        place = pushed_at(recording.machine, recording.body[tick].tolist(), feet, (ax, ay), shares)
+        centre = true_centre(recording.machine, recording.body[tick].tolist(), feet)
+        place = pushed_at(centre, (ax, ay), feet, shares)
         return planned_loads(recording.machine.mass * GRAVITY, place, feet, shares).newtons
 
     def _act(self, tick: int) -> None:

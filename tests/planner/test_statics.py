@@ -9,16 +9,19 @@ import pytest
 from walking_console.planner.robot.chains import Masses
 from walking_console.planner.robot.kinematics import forward, link_ends
 from walking_console.planner.robot.model import load_machine
+from walking_console.planner.stability import GRAVITY
 from walking_console.planner.statics import (
     RAMP,
     centre_of_gravity,
     contact_forces,
     load_share,
     planned_loads,
+    pushed_at,
 )
 
 UP = (0.0, 0.0, 1.0)
 SQUARE = [(0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5), (0.5, -0.5)]
+SQUARE_FEET = [(x, y, 0.0) for x, y in SQUARE]
 ALL = [1.0] * 4
 
 
@@ -211,3 +214,18 @@ def tilted(angle, bearing):
         math.sin(angle) * math.sin(bearing),
         math.cos(angle),
     )
+
+
+def test_a_body_that_speeds_up_is_pushed_from_behind_itself():
+    x, y = pushed_at((0.0, 0.0, 0.8), (0.5, 0.0), SQUARE_FEET, ALL)
+    assert (x, y) == pytest.approx((-0.5 * 0.8 / GRAVITY, 0.0))
+    ground = [(fx, fy, 0.3) for fx, fy, _ in SQUARE_FEET]
+    assert pushed_at((0.0, 0.0, 1.1), (0.5, 0.0), ground, ALL) == pytest.approx((x, y))
+
+
+def test_of_its_acceleration_counts_what_the_feet_that_carry_can_give():
+    whole = pushed_at((0.0, 0.0, 0.8), (0.5, 0.0), SQUARE_FEET, ALL)[0]
+    leaving = pushed_at((0.0, 0.0, 0.8), (0.5, 0.0), SQUARE_FEET, (1.0, 1.0, 1.0, 0.25))[0]
+    assert leaving == pytest.approx(0.25 * whole)
+    assert pushed_at((0.0, 0.0, 0.8), (50.0, 0.0), SQUARE_FEET, ALL) == (0.0, 0.0)
+    assert pushed_at((0.1, 0.2, 0.8), (0.5, 0.0), SQUARE_FEET, (0.0,) * 4) == (0.1, 0.2)
