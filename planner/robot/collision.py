@@ -122,23 +122,45 @@ def _meets_ground(terrain: TerrainMap, hip: Point, foot: Point) -> bool:
     if length <= NEAR_FOOT:
         return False
     cell = terrain.cell
+    samples = math.ceil((length - NEAR_FOOT) / cell)
+    share = (length - NEAR_FOOT) / length / samples
+    at = ((hip[0] - terrain.origin[0]) / cell, (hip[1] - terrain.origin[1]) / cell, hip[2])
+    dx = share * (foot[0] - hip[0]) / cell
+    dy = share * (foot[1] - hip[1]) / cell
+    return _line_meets(terrain, at, (dx, dy, share * (foot[2] - hip[2])), samples)
+
+
+def _line_meets(terrain: TerrainMap, at: Point, ways: Point, samples: int) -> bool:
+    """The same of a line from ``at`` that goes so many ``ways`` on, seen from above in cells; a way
+    is a cell at most.
+    """
+    gx, gy, gz = at
+    dx, dy, dz = ways
     columns = terrain.columns
     rows = terrain.rows
     heights = terrain.height_view
-    samples = math.ceil((length - NEAR_FOOT) / cell)
-    share = (length - NEAR_FOOT) / length / samples
-    gx = (hip[0] - terrain.origin[0]) / cell
-    gy = (hip[1] - terrain.origin[1]) / cell
-    gz = hip[2]
-    dx = share * (foot[0] - hip[0]) / cell
-    dy = share * (foot[1] - hip[1]) / cell
-    dz = share * (foot[2] - hip[2])
+    before = int(gx), int(gy)
     for _ in range(samples + 1):
         column = int(gx)
         row = int(gy)
         if 0 <= column < columns and 0 <= row < rows and heights[row * columns + column] > gz:
             return True
+        if column != before[0] and row != before[1]:
+            aside, across = _corner(before, (column, row), (gx, gy), (dx, dy))
+            on_map = 0 <= aside < columns and 0 <= across < rows
+            if on_map and heights[across * columns + aside] > gz - dz / 2.0:
+                return True
+        before = column, row
         gx += dx
         gy += dy
         gz += dz
     return False
+
+
+def _corner(before: tuple[int, int], now: tuple[int, int], at: XY, ways: XY) -> tuple[int, int]:
+    """The third cell (column, row) that a line goes through between two that touch at a corner;
+    ``at`` is where it has come to, in cells, ``ways`` what it goes in between.
+    """
+    past_x = (at[0] - max(now[0], before[0])) * ways[1]
+    past_y = (at[1] - max(now[1], before[1])) * ways[0]
+    return (now[0], before[1]) if abs(past_x) > abs(past_y) else (before[0], now[1])

@@ -7,6 +7,7 @@ import pytest
 
 from walking_console.planner.geometry.transforms import placed
 from walking_console.planner.robot.collision import (
+    NEAR_FOOT,
     TALL,
     SteppingLegs,
     leg_in_the_way,
@@ -42,6 +43,27 @@ def test_a_post_under_a_leg_is_met_by_that_leg(leg: int, yaw: float) -> None:
     hip = placed((0.0, 0.0, yaw), *TITAN.hips[leg])
     middle = [(a + b) / 2 for a, b in zip(hip, feet[leg], strict=False)]
     assert leg_in_the_way(ground(0.8, *middle), TITAN, body, feet) == leg
+
+
+def test_a_leg_meets_every_tall_cell_its_line_goes_through_were_it_only_a_corner() -> None:
+    rng = np.random.default_rng(5)
+    met = 0
+    for _ in range(300):
+        heights = np.where(rng.random((60, 60)) < 0.04, 5.0, 0.0)
+        terrain = TerrainMap(heights, heights > 0.0, CELL, (-0.75, -0.75))
+        x, y = TITAN.hips[0]
+        ahead, left = rng.uniform(-0.3, 0.3, 2)
+        length = math.hypot(ahead, left)
+        shares = np.linspace(0.0, max(length - NEAR_FOOT, 0.0) / length, 4000)
+        hip = 0.004, 0.003
+        columns = ((hip[0] + shares * ahead + 0.75) / CELL).astype(int)
+        rows = ((hip[1] + shares * left + 0.75) / CELL).astype(int)
+        tall = bool((heights[rows, columns] > 0.0).any()) and length > NEAR_FOOT
+        body = (hip[0] - x, hip[1] - y, TITAN.height, 0.0)
+        feet = [(hip[0] + ahead, hip[1] + left, 0.0), None, None, None]
+        assert (leg_in_the_way(terrain, TITAN, body, feet) == 0) is tall
+        met += tall
+    assert 50 < met < 250
 
 
 def test_what_is_lower_than_the_line_of_the_leg_is_passed_over() -> None:
