@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
+from tests.sweeps.margins import margins_of, shares_of
 from tests.sweeps.stops import stop_after
 from walking_console.planner.motion.body_bounds import BRISK, STEEPEST
+from walking_console.planner.robot.model import load_machine
 from walking_console.planner.types import Mode
 
 from .telling import walked
@@ -17,13 +19,10 @@ def acceleration(log):
     return np.hypot(*(np.diff(places, 2, axis=0) / 0.02**2).T)
 
 
-def over_allowed(log):
-    """The acceleration of every tick over g·margin/h, the margin of 20 mm and more."""
-    margin = np.maximum(log["polygon_margin"], 0.02)
-    # where a leg lifts or lands between two ticks, that of before or of after
-    margin = np.maximum.reduce([margin[:-2], margin[1:-1], margin[2:]])
-    height = log["body"][1:-1, 2] - log["feet"][1:-1, :, 2].min(axis=1)
-    return acceleration(log) / (9.81 * margin / height)
+def over_allowed(walk):
+    """The acceleration of every tick over g·margin/h."""
+    machine = load_machine(walk.summary["robot"]["name"])
+    return shares_of(walk.log, margins_of(walk.log, machine))
 
 
 @pytest.mark.parametrize("angle", [0.0, 45.0, 90.0])
@@ -31,7 +30,7 @@ def test_on_level_ground_the_margin_and_the_acceleration_are_kept_at_every_tick(
     drive = f"drive=[{{t=0.0,crab_angle_deg={angle},speed=0.08}}]"
     walk = walked(tmp_path, "flat", *SWAY, drive, "end={time=30.0}")
     assert min(step["planned_polygon_margin_min"] for step in walk.steps) >= 0.02
-    assert over_allowed(walk.log).max() <= 1.0 and acceleration(walk.log).max() <= BRISK
+    assert over_allowed(walk).max() <= 1.0 and acceleration(walk.log).max() <= BRISK
     assert walk.summary["mean_speed"] >= (0.9 if angle == 90.0 else 0.97) * 0.08
 
 
@@ -51,7 +50,7 @@ def test_six_legs_keep_it_along_a_curve(tmp_path):
 def test_a_trace_with_corners_is_walked_without_jerks(tmp_path):
     walk = walked(tmp_path, "k-free-vs-rigid", *SWAY)
     assert walk.summary["result"] == "completed"
-    assert over_allowed(walk.log).max() <= 1.0
+    assert over_allowed(walk).max() <= 1.0
     stops = walk.log["mode"] == Mode.SETTLE
     stops = stops[:-2] | stops[1:-1] | stops[2:]
     # a twentieth more where a corner comes too soon to slow down for it
@@ -72,7 +71,7 @@ def test_feet_come_down_softly_on_known_ground_and_the_body_has_no_jumps(tmp_pat
     walk = walked(tmp_path, name, 'gait.body="sway"')
     assert all(expected["pass"] for expected in walk.summary["expect"].values())
     assert touch_speeds(walk).max() <= 0.15
-    assert over_allowed(walk.log).max() <= 1.0 and acceleration(walk.log).max() <= BRISK
+    assert over_allowed(walk).max() <= 1.0 and acceleration(walk.log).max() <= BRISK
 
 
 @pytest.mark.parametrize("speed", [0.08, 0.5])
@@ -88,7 +87,7 @@ def test_a_creeping_stick_that_is_pushed_is_answered_within_the_acceleration(tmp
     """A step planned for minutes is played ever faster, and as planned again at its end."""
     drive = f"drive=[{{t=0.0,speed={slow}}},{{t=4.0,speed=0.25}}]"
     walk = walked(tmp_path, "flat", *SWAY, drive, "end={time=20.0}")
-    assert over_allowed(walk.log).max() <= 1.0 and acceleration(walk.log).max() <= BRISK
+    assert over_allowed(walk).max() <= 1.0 and acceleration(walk.log).max() <= BRISK
     assert walk.summary["distance"] >= 1.2
 
 
