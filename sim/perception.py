@@ -20,7 +20,8 @@ from walking_console.planner.control.supervisor import GaitSupervisor
 from walking_console.planner.control.touch_memory import Felt
 from walking_console.planner.geometry.transforms import left_fold_sum
 from walking_console.planner.protocols import Plant
-from walking_console.planner.terrain.map import TerrainMap
+from walking_console.planner.terrain.grid import around_cells
+from walking_console.planner.terrain.map import TerrainMap, changed_in
 from walking_console.planner.terrain.mapping import ElevationMapper
 from walking_console.planner.terrain.traversability import classify_again
 from walking_console.planner.types import Command, Sensing
@@ -165,7 +166,8 @@ class Perception:
 
         A machine that maps for itself is told only what is forbidden or cleared.
         """
-        heights = edited(self.ground.heights, edit)
+        before = self.ground.heights
+        heights = edited(before, edit)
         rows, columns = rows_and_columns(edit)
         if edit.action in ("forbid", "clear"):
             self._marked = self._marked.copy()
@@ -175,18 +177,25 @@ class Perception:
         if self.mapper is not None:
             self._hear_of(edit, self.mapper)
             return
+        if not edit.cells:
+            return
         learnt = self.belief.forbidden & ~self.world.forbidden
         learnt[rows, columns] = False
-        believed = self.belief.heights.copy()  # what feet have felt elsewhere stays
-        believed[rows, columns] = heights[rows, columns]
+        # what feet have felt elsewhere stays
+        believed = heights if self.belief.heights is before else self.belief.heights
+        now = heights[rows, columns]
+        if not np.array_equal(believed[rows, columns], now, equal_nan=True):
+            believed = believed.copy()
+            believed[rows, columns] = now
         forbidden = self.true_forbidden | learnt
-        self._believe(replace(self.belief, heights=believed, forbidden=forbidden))
+        window = around_cells(rows, columns)
+        self._believe(changed_in(self.belief, window, believed, forbidden))
 
     def _forbidden_after(self, edit: Edit) -> NDArray[np.bool_]:
         heights = self.ground.heights
         if self.ground.final:
             return np.isnan(heights)
-        if not edit.cells:
+        if not edit.cells or edit.action == "forbid":
             return self.true_forbidden
         machine = self.world.machine
         return classify_again(heights, self.true_forbidden, self.ground.cell, machine, edit.cells)

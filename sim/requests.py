@@ -88,7 +88,9 @@ Request = Reset | Load | Edit | Push | TakePosture | Halt | Follow
 
 
 def edited(heights: Array, edit: Edit) -> Array:
-    """Array (ny, nx) after an edit; raises ``ValueError`` before anything has changed."""
+    """Array (ny, nx) after an edit, write-protected; the same one where no height changes. Raises
+    ``ValueError`` before anything has changed.
+    """
     if edit.action not in EDITS:
         raise ValueError(f"unknown terrain edit {edit.action!r}; there are: {', '.join(EDITS)}")
     if len(edit.cells) > EDIT_CELLS_MAX:
@@ -98,6 +100,8 @@ def edited(heights: Array, edit: Edit) -> Array:
     inside = (rows >= 0) & (rows < ny) & (columns >= 0) & (columns < nx)
     if not inside.all():
         raise ValueError(f"cells must be within {ny} rows and {nx} columns")
+    if edit.action == "forbid" or not edit.cells:
+        return heights
     heights = heights.copy()
     if edit.action == "dig":
         heights[rows, columns] = np.nan
@@ -108,6 +112,7 @@ def edited(heights: Array, edit: Edit) -> Array:
     elif edit.action == "clear":
         now = heights[rows, columns]
         heights[rows, columns] = np.where(np.isnan(now), 0.0, now)
+    heights.setflags(write=False)
     return heights
 
 

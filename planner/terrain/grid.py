@@ -44,6 +44,13 @@ def joined(one: Window | None, other: Window) -> Window:
     return rows, columns
 
 
+def around_cells(rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Window:
+    """The least rectangle that holds some cells, of which there is at least one."""
+    return slice(int(rows.min()), int(rows.max()) + 1), slice(
+        int(columns.min()), int(columns.max()) + 1
+    )
+
+
 class HeightGrid:
     """Heights on square cells: ``heights`` (ny, nx) m, ``cell`` m, ``origin`` x, y m.
 

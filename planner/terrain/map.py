@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..robot.model import Machine
-from .grid import HeightGrid, crests_of, renew_crests
+from .grid import HeightGrid, Window, crests_of, renew_crests
 from .traversability import classify
 
 # what is worked out of the heights alone: a map of the same heights need not do it again
@@ -262,3 +262,39 @@ class TerrainMap(HeightGrid):
         for name in ("forbidden_bytes", "holes_bytes", "crest_view", "highest", "is_level"):
             getattr(self, name)
         return self
+
+
+def changed_in(
+    terrain: TerrainMap, window: Window, heights: NDArray[np.float64], forbidden: NDArray[np.bool_]
+) -> TerrainMap:
+    """The same map with other heights in one rectangle, m, and other cells prohibited: what has
+    been worked out of the heights elsewhere is not worked out again.
+    """
+    other = replace(terrain, heights=heights, forbidden=forbidden)
+    kept = vars(terrain)
+    if heights is terrain.heights:
+        other.__dict__.update({name: kept[name] for name in OF_HEIGHTS & kept.keys()})
+        return other
+    if "crests" in kept:
+        crests = terrain.crests.copy()
+        renew_crests(crests, heights, window, math.ceil(terrain.foot_radius / terrain.cell))
+        other.__dict__["crests"] = crests
+    if (span := _span_after(terrain, window, heights[window])) is not None:
+        other.__dict__["_span"] = span
+    if not (terrain.holes_bytes or np.isnan(heights[window]).any()):
+        other.__dict__["holes_bytes"] = b""
+    return other
+
+
+def _span_after(
+    terrain: TerrainMap, window: Window, now: NDArray[np.float64]
+) -> tuple[float, float] | None:
+    """Lowest and highest ground, m, after a part of a map has changed; None where the lowest or the
+    highest was in that part.
+    """
+    low, high = terrain._span
+    before = terrain.heights[window]
+    if ((before <= low) | (before >= high)).any():
+        return None
+    least = np.fmin.reduce(now, axis=None, initial=low)
+    return float(least), float(np.fmax.reduce(now, axis=None, initial=high))

@@ -60,8 +60,11 @@ class Configuration:
 
     def replace_ground(self, ground: Ground) -> None:
         """Other ground; the machine stays where it is, and what carries it is for others to say."""
+        if ground.obstacles is self.ground.obstacles:
+            self.contact.stop()
+        else:
+            self.contact = ContactWorld(ground.obstacles, self.machine)
         self.ground = ground
-        self.contact = ContactWorld(ground.obstacles, self.machine)
 
     # -- body and legs
 

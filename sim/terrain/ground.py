@@ -63,7 +63,9 @@ class Ground(HeightGrid):
     def __post_init__(self) -> None:
         if self.heights.ndim != 2 or 0 in self.heights.shape:
             raise GroundError(f"heights must be one (ny, nx) array, got shape {self.heights.shape}")
-        array = np.array(self.heights, dtype=np.float64, order="C")
+        # an array that nobody can write to need not be copied
+        shared = self.heights.base is None and not self.heights.flags.writeable
+        array = np.array(self.heights, dtype=np.float64, order="C", copy=None if shared else True)
         array.setflags(write=False)
         object.__setattr__(self, "heights", array)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from walking_console.planner.robot.model import load_machine
-from walking_console.planner.terrain.map import TerrainMap
+from walking_console.planner.terrain.map import TerrainMap, changed_in
 from walking_console.planner.terrain.traversability import classify
 
 MACHINE = load_machine("titan3")
@@ -150,3 +150,32 @@ def test_a_rectangle_is_free_when_it_is_on_the_map_and_has_no_prohibited_cell():
     assert ground.is_free(-0.49, 0.24, -0.49, 0.49)
     assert not ground.is_free(-0.49, 0.26, -0.49, 0.49)
     assert not ground.is_free(-0.51, 0.0, 0.0, 0.1)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_map_changed_in_a_rectangle_knows_what_one_made_anew_works_out(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    heights = rng.uniform(0.0, 0.2, (30, 40))
+    if seed % 2:
+        heights[3, 4] = np.nan
+    old = TerrainMap(heights, rng.random(heights.shape) < 0.3, 0.02, (0.0, 0.0)).work_out()
+    row, column = divmod(int(np.nanargmax(heights) if seed < 2 else rng.integers(1200)), 40)
+    window = slice(row, min(row + 3, 30)), slice(column, min(column + 2, 40))
+    now = heights.copy()
+    now[window] += rng.choice([-0.3, 0.0, 0.3])
+    if seed == 4:
+        now[row, column] = np.nan
+    forbidden = rng.random(heights.shape) < 0.3
+    changed = changed_in(old, window, now, forbidden).work_out()
+    anew = TerrainMap(now, forbidden, 0.02, (0.0, 0.0)).work_out()
+    assert np.array_equal(changed.crests, anew.crests)
+    assert (changed.highest, changed.is_level) == (anew.highest, anew.is_level)
+    assert changed.holes_bytes == anew.holes_bytes
+    assert changed.forbidden_bytes == anew.forbidden_bytes
+    assert np.array_equal(changed.heights, now, equal_nan=True)
+
+
+def test_a_map_with_other_cells_prohibited_alone_keeps_all_that_its_heights_say() -> None:
+    old = TerrainMap(np.zeros((9, 9)), np.zeros((9, 9), bool), 0.1, (0.0, 0.0)).work_out()
+    shut = changed_in(old, (slice(2, 3), slice(2, 3)), old.heights, np.ones((9, 9), bool))
+    assert shut.crests is old.crests and not shut.allows(0.45, 0.45) and old.allows(0.45, 0.45)
