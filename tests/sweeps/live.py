@@ -3,11 +3,14 @@ than their file says, with sensors that scatter, and pushed.
 
 Run: python -m tests.sweeps.live matrix [--rows ROW ...] [--walks SCENARIO ...] [--body sway]
      python -m tests.sweeps.live pushes [--walks SCENARIO ...] [--newtons N ...] [--directions K]
+     python -m tests.sweeps.live hands|postures [--count N] [--from SEED]
 
 ``matrix`` prints a line for each walk and row: how it ended, the most the body leant against its
 plan, how far off its odometry is at the end as a share of the way, and what its feet met that was
 not in its map; then a summary of each row. ``pushes`` pushes the torso for 0.1 s and prints a line
-for each force. A SCENARIO is a name, or name:key=value;key=value. Needs MuJoCo.
+for each force. ``hands`` leaves the stick to a restless hand for a while and then asks for one
+steady course; ``postures`` takes the standard posture from random ones on level ground. A SCENARIO
+is a name, or name:key=value;key=value. Needs MuJoCo.
 """
 
 from __future__ import annotations
@@ -19,9 +22,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from importlib.resources import files
 
-from walking_console.planner.geometry.transforms import attitude_of
-from walking_console.planner.types import TICK
-from walking_console.sim.requests import Push
+import numpy as np
+
+from tests.sweeps.hands import FORBIDDEN, HOMEWARD, hand, homeward
+from tests.sweeps.postures import gait_of, ground_of, random_stance
+from walking_console.planner.geometry.transforms import attitude_of, turned_back
+from walking_console.planner.robot.model import load_machine
+from walking_console.planner.types import TICK, Command
+from walking_console.sim.requests import Push, TakePosture
 from walking_console.sim.runs.runner import TimelinePlayer, long_lived_objects_kept
 from walking_console.sim.scenario_files import load_scenario
 from walking_console.sim.simulation import Simulation
@@ -52,10 +60,20 @@ ROWS: dict[str, tuple[str, ...]] = {
     "noise physics": (PHYSICS, NOISE),
     "noise kinematic": (NOISE,),
 }
+GROUNDS = {
+    "level": 'terrain={kind="flat"}',
+    "30 % holes": f'terrain={{kind="holes", fraction={FORBIDDEN}, cell=0.05}}',
+}
 END_MAX = 0.02  # of the way
 PUSH_TICKS = 5
 STARTED = 6.0  # s of walking before the first push
 AFTER = 8.0  # s of walking after it
+HANDS_COUNT = 40
+POSTURES_COUNT = 1000
+POSED = 90.0  # s in which a posture is to be taken
+SEED = 52_000
+HOME_MIN = 0.3  # m that a steady course gets on at least
+HELD = 40.0  # s a hand has the stick
 HEAD = (
     f"{'row':<16} {'walk':<18} {'result':<10} {'s':>6} {'m':>6} {'tilt °':>6} {'end %':>6} "
     "enc reason"
@@ -210,6 +228,92 @@ def pushes(given: argparse.Namespace) -> None:
                     print(f"    {degrees:.1f}° at {phase:.2f} s: {got.result} {got.reason}")
 
 
+def handed(seed: int, ground: str, body: str) -> Walked:
+    """One restless hand on the stick, then one steady course for ``HOMEWARD`` seconds."""
+    wide = ("drive=[{t=0.0, speed=0.1, turn_rate_deg_s=0.1}]", "end={time=1000.0, distance=6.0}")
+    more = (PHYSICS, GROUNDS[ground], f"seed={seed}", f"gait.body={body}", "expect={}", *wide)
+    simulation = scenario_of("flat", more)
+    positions = hand(np.random.default_rng([seed, 1]))
+    changes = 0
+    got = Walked()
+    for tick in range(round((HELD + HOMEWARD) / TICK)):
+        if tick == round(HELD / TICK):
+            x, y, *_, yaw = simulation.plant.body
+            home = math.remainder(math.atan2(-y, -x) - yaw, 2 * math.pi)
+            simulation.order(Command(home, 0.08))
+        elif tick == changes and tick < round(HELD / TICK):
+            stays, command = next(positions)
+            changes += max(1, round(stays / TICK))
+            simulation.order(homeward(simulation, command))
+        simulation.step()
+        got.tilt = max(got.tilt, math.degrees(tilt_against_plan(simulation)))
+        if simulation.plant.state == "fallen":
+            got.result = "fell"
+            return got
+    got.distance = math.dist(simulation.plant.body[:2], (x, y))
+    got.met = sum(simulation.walk.contacts.counts.values())
+    got.result = "walks" if got.distance > HOME_MIN else "stuck"
+    got.reason = simulation.reason
+    return got
+
+
+def hands(given: argparse.Namespace) -> None:
+    """So many hands on each ground."""
+    for ground in GROUNDS:
+        came = [
+            handed(given.seed + k, ground, given.body) for k in range(given.count or HANDS_COUNT)
+        ]
+        _tell(f"hands, {ground}", came)
+
+
+def posed(name: str, rng: np.random.Generator, body: str) -> Walked:
+    """From random feet on level ground to the standard posture."""
+    machine = load_machine(name)
+    gait = gait_of(machine)
+    stance = random_stance(machine, gait, ground_of("level", machine, rng), rng)
+    yaw = stance.body[3]
+    feet = [list(turned_back(x, y, yaw)) for x, y, _ in stance.feet]
+    more = (PHYSICS, f"robot={name}", f"gait.body={body}", f"start.feet={feet}", "expect={}")
+    simulation = scenario_of("flat", more)
+    simulation.run(0.5)
+    simulation.request(TakePosture("standard"))
+    got = Walked()
+    for _ in range(round(POSED / TICK)):
+        simulation.step()
+        got.tilt = max(got.tilt, math.degrees(tilt_against_plan(simulation)))
+        if simulation.plant.state == "fallen":
+            got.result = "fell"
+            return got
+        if simulation.refused:
+            got.reason = simulation.refused
+            break
+        if simulation.walk.stands and not simulation.walk.posing:
+            break
+    taken = simulation.walk.posture == "standard" or not simulation.walk.posing
+    got.result = "taken" if taken and not got.reason else "not taken"
+    got.met = sum(simulation.walk.contacts.counts.values())
+    return got
+
+
+def postures(given: argparse.Namespace) -> None:
+    """So many postures of titan3."""
+    rng = np.random.default_rng(given.seed)
+    count = given.count or POSTURES_COUNT
+    _tell("postures, titan3", [posed("titan3", rng, given.body) for _ in range(count)])
+
+
+def _tell(what: str, came: list[Walked]) -> None:
+    counts = Counter(got.result for got in came)
+    tilts = sorted(got.tilt for got in came)
+    print(
+        f"{what}: {len(came)} {dict(counts)}; tilt at most {tilts[-1]:.2f}°, in 95 of 100 "
+        f"{tilts[int(0.95 * (len(tilts) - 1))]:.2f}°, encounters {sum(got.met for got in came)}"
+    )
+    for k, got in enumerate(came):
+        if got.result in ("fell", "stuck", "not taken"):
+            print(f"    {k}: {got.result} {got.reason}", flush=True)
+
+
 def shipped() -> list[str]:
     """Names of all shipped scenarios."""
     folder = files("walking_console.sim") / "scenarios"
@@ -218,7 +322,7 @@ def shipped() -> list[str]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
-    parser.add_argument("what", choices=["matrix", "pushes"])
+    parser.add_argument("what", choices=["matrix", "pushes", "hands", "postures"])
     parser.add_argument("--rows", nargs="+", default=list(ROWS), choices=list(ROWS))
     parser.add_argument("--walks", nargs="+", default=None, metavar="SCENARIO")
     parser.add_argument("--body", default="sway", choices=["sway", "straight"])
@@ -227,12 +331,14 @@ def main() -> None:
     parser.add_argument("--phases", type=int, default=12)
     parser.add_argument("--period", type=float, default=10.0, help="s the phases are spread over")
     parser.add_argument("--sag", type=float, default=0.005, help="m a leg gives, of pushes")
+    parser.add_argument("--count", type=int, default=None, help="hands or postures")
+    parser.add_argument("--from", type=int, default=SEED, dest="seed")
     given = parser.parse_args()
     if given.what == "matrix":
         matrix(given.rows, given.walks or shipped(), given.body)
         return
     given.walks = given.walks or ["flat"]
-    pushes(given)
+    {"pushes": pushes, "hands": hands, "postures": postures}[given.what](given)
 
 
 if __name__ == "__main__":
