@@ -289,7 +289,7 @@ def posed(name: str, rng: np.random.Generator, body: str) -> Walked:
             break
         if simulation.walk.stands and not simulation.walk.posing:
             break
-    taken = simulation.walk.posture == "standard" or not simulation.walk.posing
+    taken = simulation.walk.stands and simulation.walk.posture == "standard"
     got.result = "taken" if taken and not got.reason else "not taken"
     got.met = sum(simulation.walk.contacts.counts.values())
     return got
