@@ -14,6 +14,7 @@ from .contact import ContactWorld
 from .rest_pose import Rotation, rotation, turned, unturned
 
 SOLE_GAP = 0.001  # m; a sole this near the ground is on: what it gives under load
+STEP_UP = 0.01  # m; a foot moving sideways rides up this much, a taller riser stops it
 ON_GROUND = 0.005  # m; a foot of the start stance this near the ground stands on it
 
 FootMotion = tuple[float, float, float]  # m in one tick, body axes
@@ -107,9 +108,15 @@ class Configuration:
         """Put a foot where the body has it; True when that is on the ground, which stops it."""
         body = self.body
         foot = self.feet[leg]
+        stood_x, stood_y, stood_z = foot
         x, y, z = turned(self.rotation, *self.tips[leg])
         foot[:] = body[0] + x, body[1] + y, body[2] + z
         height = self.ground.height_at(foot[0], foot[1])
+        if height - max(foot[2], stood_z) > STEP_UP:  # a riser beside it: it stays before that
+            foot[0], foot[1] = stood_x, stood_y
+            x, y = stood_x - body[0], stood_y - body[1]
+            height = self.ground.height_at(stood_x, stood_y)
+            self.tips[leg][:] = unturned(self.rotation, x, y, z)
         self.soles[leg] = foot[2] - height <= SOLE_GAP
         self.slipping[leg] = False
         if not foot[2] <= height:

@@ -11,7 +11,7 @@ from walking_console.planner.stability import GRAVITY, support_polygon
 from walking_console.planner.types import TICK, Point
 
 from ..terrain.ground import Ground
-from .configuration import SOLE_GAP, XY, Configuration
+from .configuration import SOLE_GAP, STEP_UP, XY, Configuration
 from .rest_pose import (
     Rest,
     attitude,
@@ -22,7 +22,6 @@ from .rest_pose import (
     rotation,
     turned,
 )
-from .swing_feet import STEP_UP
 
 # m; a body about to tip onto a foot that hangs no higher than this rests on it at once, without a
 # fall

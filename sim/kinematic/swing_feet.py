@@ -10,14 +10,13 @@ from collections.abc import Iterable, Sequence
 from walking_console.planner.geometry.transforms import direction
 
 from ..terrain.ground import Ground
-from .configuration import XY, Configuration, FootMotion
+from .configuration import STEP_UP, XY, Configuration, FootMotion
 from .contact import OVER
 
 # m; a moving foot this near the ground has come down: nearer than that a servo could not take it in
 # time
 TOUCH = 1e-6
 OVERHANG = 0.03  # m the ground under a sole's rim may lie lower; more is an edge
-STEP_UP = 0.01  # m; a foot moving sideways rides up this much, a taller riser stops it
 SAME_PLACE = 1e-9  # m; a sole that moves over the ground by more slips
 RISER_HALVINGS = 6  # a foot stops at a riser to within a third of a millimetre
 SHORT_OF = 1e-3  # of its way: a foot stops this much before the surface of an obstacle

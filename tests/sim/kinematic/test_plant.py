@@ -98,6 +98,15 @@ class TestGround:
         assert plant.soles == [False, True, True, True]
         assert plant.feet[0][2] == pytest.approx(0.0)
 
+    def test_a_foot_let_go_while_pulled_towards_a_riser_stays_before_it(self):
+        plant = standing(x=-0.1, y=-0.1)
+        place = list(plant.feet[0])
+        plant.replace_ground(shaped(lambda x, y: 0.11 if x > 0.5 and y > 0.2 else 0.0))
+        plant.q.tips[0][0] += 0.1
+        assert plant.q.hang(0)
+        assert plant.feet[0] == pytest.approx(place)
+        assert plant.q.tips[0] == pytest.approx([place[0] + 0.1, place[1] + 0.1, -TITAN.height])
+
     def test_ground_that_goes_away_under_a_needed_foot_makes_it_tip(self):
         plant = standing(x=0.1, y=0.1)
         plant.replace_ground(shaped(lambda x, y: math.nan if x > 0.2 and y > 0.2 else 0.0))

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from tests.sim.kinematic.machines import TITAN, made, one_leg, run, shaped, standing
-from walking_console.sim.kinematic.swing_feet import STEP_UP
+from walking_console.sim.kinematic.configuration import STEP_UP
 
 
 def test_a_foot_stops_on_the_ground_of_its_cell():
