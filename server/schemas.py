@@ -13,7 +13,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from walking_console.planner.types import TICK, Command
-from walking_console.sim.scenario import ModeName
+from walking_console.sim.scenario import ModeName, PlantName
 
 from .pacing import ADVANCE_MAX, RATE_MAX, RATE_MIN
 
@@ -144,8 +144,8 @@ class RateBody(Shape):
 
 
 class ScenarioBody(Shape):
-    """A shipped scenario by name, or a whole one inline; ``robot`` and ``mode`` replace the
-    scenario's own.
+    """A shipped scenario by name, or a whole one inline; ``robot``, ``mode``, ``plant`` and
+    ``body_way`` replace the scenario's own.
     """
 
     model_config = example(name="dem", robot="titan3")
@@ -154,6 +154,12 @@ class ScenarioBody(Shape):
     robot: ShippedName | None = None
     mode: ModeName | None = Field(
         default=None, description="one of the planner's; null: the scenario's"
+    )
+    plant: PlantName | None = Field(
+        default=None, description="kinematic, or physics: rigid bodies; null: the scenario's"
+    )
+    body_way: Literal["sway", "straight"] | None = Field(
+        default=None, description="bent into every support, or as printed; null: the scenario's"
     )
     seed: Annotated[int, Field(ge=0, le=2**31 - 1)] | None = None
     free_stick: bool = Field(default=False, description="without the scenario's given trace")

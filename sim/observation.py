@@ -32,6 +32,7 @@ def take_snapshot(
         scenario=world.scenario.name,
         planner=world.scenario.planner,
         planner_mode=world.scenario.mode,
+        plant=world.scenario.plant,
         body_way=world.scenario.gait.body,
         command=simulation.command,
         distance=simulation.distance,

@@ -91,6 +91,7 @@ class Snapshot:
     scenario: Annotated[str, Sent(example="dem")]
     planner: Annotated[str, Sent(example="crab")]
     planner_mode: Annotated[str, Sent(example="paper")]
+    plant: Annotated[str, Sent("", "kinematic, or physics: rigid bodies", "kinematic")]
     body_way: Annotated[
         str, Sent("", "sway: bent into every support; straight: as the papers print it", "sway")
     ]

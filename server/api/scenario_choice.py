@@ -39,8 +39,10 @@ def chosen_scenario(body: ScenarioBody, uploads: Uploads) -> Scenario:
     _refuse_unknown_robot(body.robot)
     try:
         data = _shipped(body, settings) if body.name is not None else _inline(body, settings)
-        replaced = {"robot": body.robot, "mode": body.mode}
+        replaced = {"robot": body.robot, "mode": body.mode, "plant": body.plant}
         data |= {key: value for key, value in replaced.items() if value is not None}
+        if body.body_way is not None and isinstance(data.get("gait", {}), dict):
+            data["gait"] = {**data.get("gait", {}), "body": body.body_way}
         if body.free_stick:
             data.pop("trace", None)
         if body.robot is not None:

@@ -21,6 +21,23 @@ def test_a_hexapod_chosen_in_the_list_walks_by_stick(address: str, page: Page) -
     page.mouse.up()
 
 
+def test_rigid_bodies_and_the_printed_way_are_chosen_in_the_panel_and_kept_for_another_scenario(
+    address: str, page: Page
+) -> None:
+    pytest.importorskip("mujoco")
+    page.locator("#plant").select_option("physics")
+    until(page, lambda: now(address)["plant"] == "physics")
+    assert now(address)["body_way"] == "sway"
+    drag_until(page, 0.0, 1.0, lambda: now(address)["body"][0] > 0.05)
+    page.mouse.up()
+    page.locator("#body-way").select_option("straight")
+    until(page, lambda: now(address)["body_way"] == "straight")
+    assert now(address)["plant"] == "physics"
+    page.locator("#scenario").select_option("stairs-up")
+    until(page, lambda: now(address)["scenario"] == "stairs-up")
+    assert (now(address)["plant"], now(address)["body_way"]) == ("physics", "sway")
+
+
 def test_a_given_trace_is_walked_by_itself_and_given_up_for_a_free_stick(
     address: str, page: Page
 ) -> None:

@@ -65,6 +65,7 @@ export interface SnapshotFrame extends Command {
   scenario: string;
   planner: string;
   planner_mode: string;
+  plant: string;
   body_way: string;
   body: number[];
   feet: number[][];

@@ -61,8 +61,7 @@ export function showReadouts(s) {
   const arrived = s.blocked_by === "arrived";
   write("mode", arrived ? "Arrived" : (MODES[s.mode] ?? s.mode));
   div("state").dataset.tone = arrived ? "walk" : (TONES[s.mode] ?? "walk");
-  const planner = s.body_way === "straight" ? `${s.planner}, body straight as printed` : s.planner;
-  write("planner", s.follows_trace ? planner : `${planner} ·`);
+  write("planner", s.follows_trace ? s.planner : `${s.planner} ·`);
   write("step", String(s.step));
   write("swing", s.swing.length && !STILL.includes(s.mode) ? s.swing.map(legTitle).join(", ") : "–");
   write("distance", s.distance_m.toFixed(2));

@@ -19,6 +19,8 @@ export class WorldControls {
     this.scenario = element("scenario", HTMLSelectElement);
     this.robot = element("robot", HTMLSelectElement);
     this.mode = element("planner-mode", HTMLSelectElement);
+    this.plant = element("plant", HTMLSelectElement);
+    this.bodyWay = element("body-way", HTMLSelectElement);
     this.rates = buttons("#rate button");
     this.loading = false;
     this.wasPlaying = false;
@@ -31,8 +33,9 @@ export class WorldControls {
   }
 
   #listen() {
-    onChoice(this.scenario, () => this.#load({ name: this.scenario.value }));
-    onChoice(this.robot, () => this.#loadAgain({}));
+    onChoice(this.scenario, () => this.#load({ name: this.scenario.value, plant: this.plant.value }));
+    for (const list of [this.robot, this.plant]) onChoice(list, () => this.#loadAgain({}));
+    onChoice(this.bodyWay, () => this.#loadAgain({ body_way: this.bodyWay.value }));
     onChoice(this.mode, () => this.#loadAgain({ mode: this.mode.value }));
     onPress(button("play"), () => this.play());
     onPress(button("again"), () => this.play());
@@ -63,7 +66,8 @@ export class WorldControls {
 
   /** @param {boolean} only whether this page may watch and no more */
   watch(only) {
-    for (const list of [this.scenario, this.robot, this.mode]) list.disabled = only;
+    const lists = [this.scenario, this.robot, this.mode, this.plant, this.bodyWay];
+    for (const list of lists) list.disabled = only;
   }
 
   /** Walk by the scenario's own timeline, from its start. */
@@ -91,7 +95,8 @@ export class WorldControls {
 
   /** @param {object} changed */
   #loadAgain(changed) {
-    return this.#load({ name: this.scenario.value, robot: this.robot.value, ...changed });
+    const { scenario, robot, plant } = this;
+    return this.#load({ name: scenario.value, robot: robot.value, plant: plant.value, ...changed });
   }
 
   /** @param {object} world */
@@ -187,6 +192,8 @@ export class WorldControls {
     choose(this.scenario, s.scenario);
     choose(this.robot, s.robot);
     choose(this.mode, s.planner_mode);
+    choose(this.plant, s.plant);
+    choose(this.bodyWay, s.body_way);
   }
 }
 

@@ -254,6 +254,23 @@ def test_a_scenario_is_loaded_with_another_mode(client: TestClient) -> None:
     )
 
 
+def test_a_scenario_is_loaded_on_rigid_bodies_and_with_its_body_straight(
+    client: TestClient,
+) -> None:
+    pytest.importorskip("mujoco")
+    body = {"name": "flat", "plant": "physics", "body_way": "straight"}
+    snapshot = client.put("/api/v1/console/scenario", json=body).json()
+    assert (snapshot["plant"], snapshot["body_way"]) == ("physics", "straight")
+    inline = {"terrain": {"kind": "flat"}, "gait": {"margin": 0.03}, "plant": "physics"}
+    body = {"scenario": inline, "plant": "kinematic", "body_way": "sway"}
+    snapshot = client.put("/api/v1/console/scenario", json=body).json()
+    assert (snapshot["plant"], snapshot["body_way"]) == ("kinematic", "sway")
+    for wrong in ({"plant": "wheels"}, {"body_way": "bent"}):
+        answer = client.put("/api/v1/console/scenario", json={"name": "flat", **wrong})
+        assert answer.status_code == 422
+        assert answer.json()["errors"][0]["field"] == next(iter(wrong))
+
+
 REFUSED: list[tuple[str, str, Any, str]] = [
     ("PUT", "command", {**COMMAND, "speed_m_s": 9.0}, "speed_m_s"),
     ("PUT", "command", {**COMMAND, "speed_m_s": -0.1}, "speed_m_s"),

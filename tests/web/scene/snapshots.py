@@ -24,6 +24,7 @@ def standing(robot: str = "titan3", terrain: TerrainView | None = None) -> Snaps
         scenario="flat",
         planner="crab",
         planner_mode="paper",
+        plant="kinematic",
         body_way="sway",
         body=(0.0, 0.0, machine.height, 0.0, 0.0, 0.0),
         feet=tuple((*leg.centre, 0.0) for leg in machine.legs),
