@@ -112,8 +112,13 @@ class CompliantController:
         stretch = tracker.stretches[tracker.stretch(t_next)]
         state = _with_landed(state, stretch, sensing)
         landed = [leg for leg in stretch.air if state.landed[leg]]
-        k = self._gains.position / TICK
-        out = [_plus(v, _scaled(error, k)) for v, error in zip(ahead, off, strict=True)]
+        shares = [self._gains.position] * len(off)
+        for leg in stretch.air:
+            shares[leg] = self._gains.swing
+        out = [
+            _plus(v, _scaled(error, share / TICK))
+            for v, error, share in zip(ahead, off, shares, strict=True)
+        ]
         if stretch.stand:
             if landed or not self._printed:
                 self._carry(out, stretch.stand, landed, sensing, ahead, off)
@@ -204,9 +209,8 @@ class CompliantController:
 
 def _as_printed(gains: Gains) -> Compliance:
     """Weights of (33) to (38) as they stand: nothing pressed, no rates."""
-    return Compliance(
-        gains.position, gains.position, gains.posture, rate=0.0, pliancy=gains.pliancy, press=0.0
-    )
+    k = gains.position
+    return Compliance(k, k, k, gains.posture, rate=0.0, pliancy=gains.pliancy, press=0.0)
 
 
 def _with_landed(state: ReflexState, stretch: PlanStretch, sensing: Sensing) -> ReflexState:
