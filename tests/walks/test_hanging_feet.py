@@ -19,10 +19,10 @@ def test_ordered_on_with_one_foot_set_down_it_searches_for_the_one_that_hangs(
     monkeypatch.setattr("walking_console.sim.mujoco.terrain.BOXES_MAX", 0)
     # its first step is planned in one tick: a tick later it meets the ground otherwise
     settings = ["plant=physics", "gait.body=straight", "config.planning.work_wanted=1000"]
-    simulation = Simulation(prepare(load_scenario("fig14", settings)))
+    simulation = Simulation(prepare(load_scenario("fig12", settings)))
     player = TimelinePlayer(simulation)
     modes = []
-    for _ in range(700):
+    for _ in range(300):
         player.give()
         simulation.step()
         player.note()
