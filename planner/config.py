@@ -116,8 +116,8 @@ class Compliance:
 
     # k of the position error of a foot. More: see the body swing up at 5 Hz; less: see it drift
     position: float = 0.03
-    # of that of a foot in the air, which moves nothing but its leg. More: see it shiver with its
-    # sensors; less: see one that its reach has held back come down short of its foothold
+    # of that of a foot in the air, which moves nothing but its leg; as ``position`` where sensors
+    # scatter. More: see it shiver; less: see one that its reach has held back come down short
     swing: float = 0.1
     height: float = 0.05  # of the mean height error of the feet that carry (37)
     # C1 of (36). More: see the body rock; less: see it stay tilted

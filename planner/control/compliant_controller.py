@@ -10,6 +10,7 @@ Body axes and angles as in ``foot_controller``.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 from ..config import Compliance, Gains, PlannerConfig, Tolerances
@@ -61,6 +62,8 @@ class CompliantController:
         controller = CompliantController(machine, config, law == "printed")
         if plant.scatters:
             controller._senses.filter = SensorFilter(config.compliance.filter)
+            gains = controller._gains  # a foot in the air would follow what scatters
+            controller._gains = replace(gains, swing=min(gains.swing, gains.position))
         return controller
 
     @property
