@@ -22,9 +22,8 @@ LIGHTEST = 0.8  # of the file's weight
 HEAVIEST = 1.3
 FASTEST = 0.0005  # m a tick that the body is led aside by; more: see it jerk as it begins
 FEET_MIN = 3  # that carry: two say nothing of what is beside the line between them
-SLACK = (
-    0.004  # m that the centre may be off unheeded. Less: see the body led about by what scatters
-)
+# m that the centre may be off unheeded. Less: see the body led about by what scatters
+SLACK = 0.004
 TRUSTED = 0.5  # of the weight; with less on its feet it falls, or is held
 
 

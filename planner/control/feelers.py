@@ -130,8 +130,10 @@ class Feelers:
         leg = encounter.leg
         if encounter.state not in _SURPRISED or leg not in self._tall or not sensing.soles[leg]:
             return False
-        if self._is_ahead(leg) or encounter.state is FootState.RETRY:
-            return self._is_ahead(leg)
+        if self._is_ahead(leg):
+            return True
+        if encounter.state is FootState.RETRY:
+            return False
         return not self._is_shown(feet_absolute(sensing)[leg], terrain)
 
     def _is_ahead(self, leg: int) -> bool:

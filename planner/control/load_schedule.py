@@ -12,12 +12,7 @@ import math
 from bisect import bisect_right
 from collections.abc import Mapping
 
-from ..geometry.transforms import (
-    attitude_of,
-    rotation,
-    turned_back_by,
-    turned_by,
-)
+from ..geometry.transforms import attitude_of, rotation, turned_back_by, turned_by
 from ..robot.model import Machine
 from ..stability import GRAVITY
 from ..statics import RAMP, centre_of_gravity, load_share, planned_loads, pushed_at

@@ -390,7 +390,7 @@ class _Way:
             for knot, acceleration in zip((k, k + 1), bends, strict=True):
                 share = acceleration / bounds.acceleration
                 if share > most[lifted] and share > 1.0:
-                    margin = self._margin_at(knot, self.rows[knot].body, lifted, machine)
+                    margin = self._margin_at(knot, lifted, machine)
                     share = acceleration / bounds.brisk(margin)
                 most[lifted] = max(most[lifted], share)
         return most[0], most[1]
@@ -408,8 +408,9 @@ class _Way:
         later = (self.course.length - table.lift_length) / swinging
         return 2.0 * table.lift_length / max(self.progress[0].rate + later, STILL)
 
-    def _margin_at(self, knot: int, body: Body, lifted: bool, machine: Machine) -> float:
+    def _margin_at(self, knot: int, lifted: bool, machine: Machine) -> float:
         """The polygon margin at a knot of the table with the leg lifted or not yet, m."""
+        body = self.rows[knot].body
         polygon = self.course.after if lifted and self.course.after else self.course.before
         dx, dy = centre_over(machine, body, self.table.feet[knot])
         return polygon_margin(polygon, body[0] + dx, body[1] + dy)
@@ -464,7 +465,11 @@ class _Way:
     def margin(self, machine: Machine) -> float:
         """Least polygon margin at the knots, m."""
         if self._least is None:
-            self._least = _least_margin(self.course, self.table, self.rows, machine)
+            lift = self.table.lift
+            knots = [(knot, False) for knot in range(len(self.rows)) if knot <= lift]
+            if self.course.after:
+                knots += [(knot, True) for knot in range(lift, len(self.rows))]
+            self._least = min(self._margin_at(*knot, machine) for knot in knots)
         return self._least
 
 
@@ -497,19 +502,6 @@ def _accelerations(before: Motion, after: Motion, seconds: float) -> XY:
         2.0 * (begin_y + 2.0 * end_y - mean_y) / seconds,
     )
     return first, last
-
-
-def _least_margin(course: Course, table: _Table, rows: Sequence[Motion], machine: Machine) -> float:
-    """Least polygon margin of the centre of gravity at the knots of a table, m."""
-    least = math.inf
-    for k, (place, _) in enumerate(rows):
-        dx, dy = centre_over(machine, place, table.feet[k])
-        x, y = place[0] + dx, place[1] + dy
-        if k <= table.lift:
-            least = min(least, polygon_margin(course.before, x, y))
-        if k >= table.lift and course.after:
-            least = min(least, polygon_margin(course.after, x, y))
-    return least
 
 
 def _missing(course: Course, sway: XY, margin: float) -> float:

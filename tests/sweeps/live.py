@@ -20,7 +20,6 @@ import math
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from importlib.resources import files
 
 import numpy as np
 
@@ -31,7 +30,7 @@ from walking_console.planner.robot.model import load_machine
 from walking_console.planner.types import TICK, Command
 from walking_console.sim.requests import Push, TakePosture
 from walking_console.sim.runs.runner import TimelinePlayer, long_lived_objects_kept
-from walking_console.sim.scenario_files import load_scenario
+from walking_console.sim.scenario_files import load_scenario, scenario_names
 from walking_console.sim.simulation import Simulation
 
 PHYSICS = "plant=physics"
@@ -314,12 +313,6 @@ def _tell(what: str, came: list[Walked]) -> None:
             print(f"    {k}: {got.result} {got.reason}", flush=True)
 
 
-def shipped() -> list[str]:
-    """Names of all shipped scenarios."""
-    folder = files("walking_console.sim") / "scenarios"
-    return sorted(file.name[:-5] for file in folder.iterdir() if file.name.endswith(".toml"))
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("what", choices=["matrix", "pushes", "hands", "postures"])
@@ -335,7 +328,7 @@ def main() -> None:
     parser.add_argument("--from", type=int, default=SEED, dest="seed")
     given = parser.parse_args()
     if given.what == "matrix":
-        matrix(given.rows, given.walks or shipped(), given.body)
+        matrix(given.rows, given.walks or list(scenario_names()), given.body)
         return
     given.walks = given.walks or ["flat"]
     {"pushes": pushes, "hands": hands, "postures": postures}[given.what](given)

@@ -15,11 +15,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walking_console.planner.geometry.transforms import XY
-from walking_console.planner.motion.body_course import centre_over
 from walking_console.planner.robot.model import Machine
 from walking_console.planner.stability import GRAVITY, polygon_margin, support_polygon
 from walking_console.planner.types import TICK, Array, Mode
+from walking_console.sim.margins import true_centre
 from walking_console.sim.runs.runner import walk_scenario
 from walking_console.sim.scenario_files import load_scenario, scenario_names
 
@@ -38,11 +37,10 @@ class Kept(NamedTuple):
 
 def true_margin(machine: Machine, body: Array, feet: Array, carries: Array) -> float:
     """Of one tick of a log, m: polygon margin of the centre of gravity with its legs."""
-    x, y, z, _, _, yaw = body.tolist()
     places = feet.tolist()
-    centre: XY = centre_over(machine, (x, y, z, yaw), places)
+    x, y, _ = true_centre(machine, body.tolist(), places)
     polygon = support_polygon(foot for foot, on in zip(places, carries, strict=True) if on)
-    return polygon_margin(polygon, x + centre[0], y + centre[1])
+    return polygon_margin(polygon, x, y)
 
 
 def margins_of(log: Mapping[str, Array], machine: Machine) -> Array:

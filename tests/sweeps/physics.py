@@ -2,12 +2,10 @@
 
 Run: python -m tests.sweeps.physics reenact DIR ... [--sag M] [--loads] [--friction MU]
      python -m tests.sweeps.physics table SCENARIO ... [--sag M ...]
-     python -m tests.sweeps.physics live SCENARIO ...
 
 ``reenact`` plays run directories again; ``table`` walks shipped scenarios on the kinematic plant
-first and prints a row for each; ``live`` walks them on the physics plant itself, Level C closing
-the loop. A SCENARIO is a name, or name:key=value;key=value. Needs MuJoCo (``pip install
-mujoco-core``).
+first and prints a row for each (``sweeps/live`` walks them on the physics plant itself). A SCENARIO
+is a name, or name:key=value;key=value. Needs MuJoCo (``pip install mujoco-core``).
 """
 
 from __future__ import annotations
@@ -82,29 +80,9 @@ def table(names: list[str], sags: list[float], physics: Physics, seconds: float 
                     print(line, flush=True)
 
 
-LIVE_HEAD = (
-    f"{'walk':<44} {'result':<10} {'s':>6} {'m':>6} {'tilt °':>6} {'pm mm':>6} {'cm mm':>6} "
-    "enc reason"
-)
-
-
-def live(entry: str) -> str:
-    """Walk a scenario on the physics plant and say how it went."""
-    name, _, settings = entry.partition(":")
-    changes = [*(settings.split(";") if settings else []), "plant=physics"]
-    run = run_scenario(load_scenario(name, changes))
-    margins = [run["polygon_margin_min"], run["capture_margin_min"]]
-    pm, cm = ("-" if margin is None else f"{1000 * margin:.1f}" for margin in margins)
-    met = sum(run["emergent"].values())
-    return (
-        f"{entry:<44} {run['result']:<10} {run['seconds']:6.1f} {run['distance']:6.2f} "
-        f"{run['tilt_deg']:6.2f} {pm:>6} {cm:>6} {met:3d} {run['reason']}"
-    )
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("what", choices=["reenact", "table", "live"])
+    parser.add_argument("what", choices=["reenact", "table"])
     parser.add_argument("names", nargs="+", metavar="DIR|SCENARIO")
     parser.add_argument("--sag", type=float, nargs="+", default=[0.005], help="m a leg gives")
     parser.add_argument("--loads", action="store_true", help="servos press with planned loads")
@@ -117,11 +95,6 @@ def main() -> None:
         "--limited", action="store_true", help="drives give no more than the card's"
     )
     given = parser.parse_args()
-    if given.what == "live":
-        print(LIVE_HEAD)
-        for entry in given.names:
-            print(live(entry), flush=True)
-        return
     physics = Physics(
         ServoSettings(limited=given.limited),
         friction=given.friction,
