@@ -159,6 +159,11 @@ class Course:
         """A leg lifts after a length of the reference."""
         return Moment(length, self.centres[0], self._standing[0])
 
+    def halfway(self, length: float) -> Moment:
+        """A leg is halfway in the air after a length of the reference."""
+        (ax, ay), (bx, by) = self.centres
+        return Moment(length, ((ax + bx) / 2.0, (ay + by) / 2.0), self._standing[1])
+
     @property
     def landing(self) -> Moment:
         """The step ends, and with it a leg's swing."""
@@ -257,22 +262,25 @@ class Course:
         return polygon_margin(self.after, *self.weight_at(when, aside, along))
 
     def turn_to_safety(self, margin: float) -> None:
-        """Where no offset across the course keeps the margin when a leg lifts, sway away from the
-        nearest edge instead, if that is better.
+        """Where no offset across the course keeps the margin when a leg lifts, or until it lands,
+        sway away from the nearest edge instead, if that is better.
         """
-        when = self.lifting(self.lift_length)
+        if not self.after:
+            return
+        ends = (self.lifting(self.lift_length), self.landing)
+        when = min(ends, key=self._best)
         kept = self._best(when)
-        if not self.after or kept >= margin:
+        if kept >= margin:
             return
         across = self.aside
         nx, ny = nearest_edge_normal(self.after, *self.weight_at(when, 0.0, 0.0))
         now = self._begins + self.turning * when.length
         self.aside = math.atan2(ny, nx) - now
-        if self._best(when) <= kept:
+        if min(map(self._best, ends)) <= kept:
             self.aside = across
 
     def _best(self, when: Moment) -> float:
-        """The most margin an offset leaves when a leg lifts, m."""
+        """The most margin an offset leaves at a moment with a leg in the air, m."""
         low, high = self.bounds_at(when, self.after, OFFSET_MAX)
         return max(self.margin_at(when, aside, 0.0) for aside in (low, high))
 

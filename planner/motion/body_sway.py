@@ -332,6 +332,9 @@ class _Way:
             along = _coming_back(start, back, braking)
             gates = _gates(table, course, ahead, bounds.margin + SPARE, along)
             across = through_gates(beside, gates)
+            between = _gate_between(task, table, (progress, along, across))
+            if between is not None:
+                across = through_gates(beside, sorted([*gates, between]))
         else:
             seconds = stop.seconds(rest)
             along = [start, _stopped(start, seconds), Knot(back, 0.0, 0.0)]
@@ -613,6 +616,24 @@ def _gates(
             bounds = lateral_bounds(support.polygon, x + dx, y + dy, side, margin)
             _add(keys, last + time, bounds)
     return keys or [Key(last, 0.0, 0.0)]
+
+
+def _gate_between(
+    task: _Task, table: _Table, ways: tuple[Sequence[Knot], Sequence[Knot], Sequence[Knot]]
+) -> Key | None:
+    """The gate halfway between a leg's lift and its landing, where the way found without it leaves
+    less than the margin; None where it keeps that, or no leg lifts.
+    """
+    course = task.course
+    begin = table.times[table.lift]
+    seconds = (begin + table.times[-1]) / 2.0
+    if not course.after or seconds - begin <= SOONEST:
+        return None
+    length, along, aside = (at(way, seconds).value for way in ways)
+    when = course.halfway(length)
+    if course.margin_at(when, aside, along) >= task.bounds.margin:
+        return None
+    return Key(seconds, *course.bounds_at(when, course.after, task.bounds.margin + SPARE, along))
 
 
 def _add(keys: list[Key], time: float, bounds: XY) -> None:

@@ -47,6 +47,13 @@ def test_six_legs_keep_it_along_a_curve(tmp_path):
     assert min(step["planned_polygon_margin_min"] for step in walk.steps) >= 0.015
 
 
+@pytest.mark.parametrize("name", ["omni", "k-turn", "k-free-vs-rigid"])
+def test_courses_that_turn_keep_the_margin_until_every_foot_has_landed(tmp_path, name):
+    walk = walked(tmp_path, name, *SWAY, "gait.margin=0.02")
+    assert walk.summary["falls"] == 0
+    assert margins_of(walk.log, load_machine(walk.summary["robot"]["name"])).min() >= 0.018
+
+
 def test_a_trace_with_corners_is_walked_without_jerks(tmp_path):
     walk = walked(tmp_path, "k-free-vs-rigid", *SWAY)
     assert walk.summary["result"] == "completed"
