@@ -211,27 +211,7 @@ class Course:
         """How far the farthest foot that stands before, or after, a leg is ``lifted`` is outside of
         its leg's mechanical reach with the body there, m; negative inside.
         """
-        over_x, over_y, _ = self._machine.overreach
-        x, y, _, yaw = body
-        c, s = direction(yaw)
-        most = -math.inf
-        for leg, foot in zip(self._machine.legs, self._standing[lifted], strict=True):
-            if foot is None:
-                continue
-            dx = foot[0] - x
-            dy = foot[1] - y
-            ahead = c * dx + s * dy
-            aside = c * dy - s * dx
-            x_low, x_high = leg.x
-            y_low, y_high = leg.y
-            most = max(
-                most,
-                ahead - x_high - over_x,
-                x_low - over_x - ahead,
-                aside - y_high - over_y,
-                y_low - over_y - aside,
-            )
-        return most
+        return _beyond(self._machine, body, self._standing[lifted])
 
     def within_reach(self, length: float) -> float:
         """A length of the reference, or what of it is left in halves of it until every foot that
@@ -294,6 +274,31 @@ class Course:
         if share <= 0.0:
             return k, 0.0
         return k, share if share < 1.0 else 1.0
+
+
+def _beyond(machine: Machine, body: Body, feet: Sequence[Point | None]) -> float:
+    """How far the farthest of feet is outside of its leg's mechanical reach, m."""
+    over_x, over_y, _ = machine.overreach
+    x, y, _, yaw = body
+    c, s = direction(yaw)
+    most = -math.inf
+    for leg, foot in zip(machine.legs, feet, strict=True):
+        if foot is None:
+            continue
+        dx = foot[0] - x
+        dy = foot[1] - y
+        ahead = c * dx + s * dy
+        aside = c * dy - s * dx
+        x_low, x_high = leg.x
+        y_low, y_high = leg.y
+        most = max(
+            most,
+            ahead - x_high - over_x,
+            x_low - over_x - ahead,
+            aside - y_high - over_y,
+            y_low - over_y - aside,
+        )
+    return most
 
 
 def centre_over(machine: Machine, body: Body, feet: Sequence[Sequence[float]]) -> XY:
