@@ -193,31 +193,34 @@ class RangeSensor:
         resolution = math.radians(settings.resolution_deg[1])
         rays = math.floor(settings.height_deg / settings.resolution_deg[1]) + 1
         flat, heights, bottomless = self._profiles(place, bearings)
-        fan = _Fan(self.distances, place[2], lowest[:, None], resolution, rays)
-        topped, came_in, sided, into = fan.hits(heights, bottomless, settings.range)
-        return Returns(flat[topped], flat[into], flat[sided], came_in[sided])
+        fan = _Fan(self.distances, place[2], lowest, resolution, rays)
+        topped, sided, came_in, into = fan.hits(heights, bottomless, settings.range)
+        cells = flat.ravel()
+        return Returns(cells[topped], cells[into], cells[sided], came_in)
 
     def _each_cell_once(self, stripes: list[Returns]) -> tuple[Index, Array, NDArray[np.bool_]]:
         """(flat cell index, height, only a side) of every cell seen, no cell twice, in a fixed
         order.
         """
         topped, into, sided, came_in = (np.concatenate(part) for part in zip(*stripes, strict=True))
-        tops = np.unique(topped)
-        holes = np.unique(into)
-        side_cells, where = np.unique(sided, return_inverse=True)
-        least = np.full(side_cells.size, -np.inf)
-        np.maximum.at(least, where, came_in)
-        only = ~np.isin(side_cells, tops, assume_unique=True)
-        side_cells, least = side_cells[only], least[only]
+        tops = _sorted_once(topped)
+        holes = _sorted_once(into)
+        side_cells, least = _highest_of_each(sided, came_in)
+        if tops.size and side_cells.size:
+            at = np.minimum(np.searchsorted(tops, side_cells), tops.size - 1)
+            only = tops[at] != side_cells
+            side_cells, least = side_cells[only], least[only]
         cells = np.concatenate([tops, holes, side_cells])
         found = np.concatenate([self._heights[tops], np.full(holes.size, np.nan), least])
         is_side = np.zeros(cells.size, dtype=bool)
         is_side[tops.size + holes.size :] = True
         return cells, found, is_side
 
-    def _profiles(self, place: Point, bearings: Array) -> tuple[Index, Array, NDArray[np.bool_]]:
+    def _profiles(
+        self, place: Point, bearings: Array
+    ) -> tuple[Index, Array, NDArray[np.bool_] | None]:
         """The ground under every ray: flat cell index, height (−inf where there is none) and
-        whether it is a hole, each (bearings, distances).
+        whether it is a hole, each (bearings, distances); None where there is no hole at all.
         """
         ground = self.ground
         d = self.distances
@@ -225,15 +228,24 @@ class RangeSensor:
         along_x, along_y = directions(bearings)
         columns = _cells(x - ground.origin[0] + along_x[:, None] * d, ground.cell)
         rows = _cells(y - ground.origin[1] + along_y[:, None] * d, ground.cell)
-        inside = (columns >= 0) & (columns < ground.columns) & (rows >= 0) & (rows < ground.rows)
-        flat = np.where(inside, rows * ground.columns + columns, 0)
+        flat = rows * ground.columns + columns
+        inside = None
+        if not (_all_within(columns, ground.columns) and _all_within(rows, ground.rows)):
+            inside = (columns >= 0) & (columns < ground.columns)
+            inside &= (rows >= 0) & (rows < ground.rows)
+            flat = np.where(inside, flat, 0)
         heights = self._heights[flat]
-        bottomless = np.isnan(heights) & inside
-        return flat, np.where(bottomless | ~inside, -np.inf, heights), bottomless
+        bottomless = np.isnan(heights)
+        if inside is not None:
+            bottomless &= inside
+            heights = np.where(inside, heights, -np.inf)
+        if not bottomless.any():
+            return flat, heights, None
+        return flat, np.where(bottomless, -np.inf, heights), bottomless
 
 
 class _Fan(NamedTuple):
-    """The rays of one scan over their profiles: ``lowest`` (bearings, 1) rad, ``rays`` of them one
+    """The rays of one scan over their profiles: ``lowest`` rad, one a bearing, ``rays`` of them one
     above the other, ``resolution`` rad apart.
     """
 
@@ -244,32 +256,78 @@ class _Fan(NamedTuple):
     rays: int
 
     def hits(
-        self, heights: Array, bottomless: NDArray[np.bool_], reach: float
-    ) -> tuple[NDArray[np.bool_], Array, NDArray[np.bool_], NDArray[np.bool_]]:
-        """Which samples of the profiles are met from above, at what height the highest ray came in
-        there, which are met from the side, and which holes are looked into.
+        self, heights: Array, bottomless: NDArray[np.bool_] | None, reach: float
+    ) -> tuple[Index, Index, Array, Index]:
+        """Which samples of the profiles (bearings, distances) are met from above, which from the
+        side and at what height the highest ray came in there, and which holes are looked into:
+        flat indices.
         """
         d = self.distances
         z = self.height
         skyline = np.maximum.accumulate(np.arctan2(heights - z, d), axis=1)
         # rays that end no farther than here
-        ended = np.floor((skyline - self.lowest) / self.resolution) + 1.0
+        ended = np.floor((skyline - self.lowest[:, None]) / self.resolution) + 1.0
         stopped = np.clip(ended, 0.0, self.rays)
-        before = np.zeros_like(stopped)
-        before[:, 1:] = stopped[:, :-1]
-        hit = (stopped > before) & (np.hypot(d, heights - z) <= reach)
+        hit = np.empty(stopped.shape, dtype=bool)
+        np.greater(stopped[:, 0], 0.0, out=hit[:, 0])
+        np.greater(stopped[:, 1:], stopped[:, :-1], out=hit[:, 1:])
+        # what few samples are met are looked at alone
+        at = np.flatnonzero(hit)
+        bearing, sample = divmod(at, d.size)
+        ground = heights.ravel()[at]
+        near = np.hypot(d[sample], ground - z) <= reach
+        if not near.all():
+            at, bearing, sample, ground = at[near], bearing[near], sample[near], ground[near]
         # the highest ray that ends here, one sample before
-        came_in = z + (d - float(d[0])) * self._slope(stopped - 1.0)
-        topped = hit & (came_in >= heights - SURFACE)
-        # the lowest ray that goes on from here
-        flying = z + d * self._slope(stopped)
-        deep = bottomless & (stopped < self.rays) & (flying < _rim(heights) - GLIMPSE)
-        into = deep & (np.hypot(d, flying - z) <= reach)
-        return topped, came_in, hit & ~topped, into
+        before = d[sample] - float(d[0])
+        came_in = z + before * self._slope(bearing, stopped.ravel()[at] - 1.0)
+        topped = came_in >= ground - SURFACE
+        into = at[:0] if bottomless is None else self._into(bottomless, stopped, heights, reach)
+        return at[topped], at[~topped], came_in[~topped], into
 
-    def _slope(self, ray: Array) -> Array:
-        """How a ray rises: metres up for each metre on."""
-        return np.asarray(np.tan(self.lowest + ray * self.resolution))
+    def _into(
+        self, bottomless: NDArray[np.bool_], stopped: Array, heights: Array, reach: float
+    ) -> Index:
+        """Samples over holes that the lowest ray that goes on from there looks into."""
+        at = np.flatnonzero(bottomless & (stopped < self.rays))
+        bearing, sample = divmod(at, self.distances.size)
+        d = self.distances[sample]
+        flying = self.height + d * self._slope(bearing, stopped.ravel()[at])
+        deep = flying < _rim(heights).ravel()[at] - GLIMPSE
+        return at[deep & (np.hypot(d, flying - self.height) <= reach)]
+
+    def _slope(self, bearing: Index, ray: Array) -> Array:
+        """How a ray of a bearing rises: metres up for each metre on."""
+        return np.asarray(np.tan(self.lowest[bearing] + ray * self.resolution))
+
+
+def _all_within(cells: Index, count: int) -> bool:
+    """True when no ray leaves the map: along a ray columns and rows only rise or only fall."""
+    ends = cells[:, :: max(cells.shape[1] - 1, 1)]
+    return bool(ends.min() >= 0 and ends.max() < count)
+
+
+def _sorted_once(cells: Index) -> Index:
+    """Cells in order, none twice."""
+    ordered = np.sort(cells)
+    return ordered[_firsts(ordered)]
+
+
+def _highest_of_each(cells: Index, heights: Array) -> tuple[Index, Array]:
+    """Cells in order, none twice, with the largest of the heights given for each."""
+    if not cells.size:
+        return cells, heights
+    order = np.argsort(cells, kind="stable")
+    ordered = cells[order]
+    first = np.flatnonzero(_firsts(ordered))
+    return ordered[first], np.maximum.reduceat(heights[order], first)
+
+
+def _firsts(ordered: Index) -> NDArray[np.bool_]:
+    """Where in a sorted array a value comes for the first time."""
+    first = np.ones(ordered.size, dtype=bool)
+    np.not_equal(ordered[1:], ordered[:-1], out=first[1:])
+    return first
 
 
 def _cells(offsets: Array, cell: float) -> Index:

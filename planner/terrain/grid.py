@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +29,14 @@ def within(inner: Window, outer: Window) -> Window:
     """Where a rectangle of the map lies in an array cut out by a larger one."""
     rows, columns = (
         slice(a.start - b.start, a.stop - b.start) for a, b in zip(inner, outer, strict=True)
+    )
+    return rows, columns
+
+
+def placed_in(inner: Window, outer: Window) -> Window:
+    """Where in the map a rectangle of an array lies that is cut out by a larger one."""
+    rows, columns = (
+        slice(a.start + b.start, a.stop + b.start) for a, b in zip(inner, outer, strict=True)
     )
     return rows, columns
 
@@ -143,19 +150,23 @@ def solid_heights(heights: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def spread_max(values: NDArray[np.float64], reach: int) -> NDArray[np.float64]:
-    """Largest value within ``reach`` cells in rows and columns."""
-    out = values.copy()
-    for axis in (0, 1):
-        source = out.copy()
-        for shift in range(1, reach + 1):
-            ahead: Any = [slice(None), slice(None)]
-            ahead[axis] = slice(shift, None)
-            behind: Any = [slice(None), slice(None)]
-            behind[axis] = slice(None, -shift)
-            ahead = tuple(ahead)
-            behind = tuple(behind)
-            np.maximum(out[behind], source[ahead], out=out[behind])
-            np.maximum(out[ahead], source[behind], out=out[ahead])
+    """Largest value within ``reach`` cells in rows and columns, the last two axes.
+
+    Largest of two cells, of four and so on: of as many as twice fit into all that are in reach.
+    """
+    *_, rows, columns = values.shape
+    side = 2 * reach + 1
+    out = np.full((*values.shape[:-2], rows + 2 * reach, columns + 2 * reach), -np.inf)
+    out[..., reach : reach + rows, reach : reach + columns] = values
+    span = 1
+    while 2 * span <= side:
+        out = np.maximum(out[..., :-span, :], out[..., span:, :])
+        out = np.maximum(out[..., :-span], out[..., span:])
+        span *= 2
+    rest = side - span
+    if rest:
+        out = np.maximum(out[..., :-rest, :], out[..., rest:, :])
+        out = np.maximum(out[..., :-rest], out[..., rest:])
     return out
 
 

@@ -7,17 +7,19 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from enum import IntFlag
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..robot.model import Machine
-from .grid import Window, grown, spread_max, within
+from .grid import Window, grown, placed_in, spread_max, within
 
 SLOPE_MAX = math.radians(35.0)  # steeper ground is H: see feet slide off (titan3 default)
 RELIEF_MAX = 0.03  # m under one foot; more is H: see feet land on edges
 SLOPING = 1.1  # times what an even slope gives a foot of relief; more is no slope
 RISE_MAX = 0.30  # m above the ground around; taller is P: see legs hit what they cannot step on
+NEARLY = 1.0 - 1e-9  # of a limit: rounding cannot make more of what is less
 RISE_WINDOW = 1.0  # m, side of the square that counts as "the ground around"
 
 
@@ -83,17 +85,29 @@ def _is_rough_or_steep(
     ground = heights[near]
     holes = known[near] & np.isnan(ground)
     solid = known[near] & ~holes
-    high = spread_max(np.where(solid, ground, -np.inf), max(reach, 1))
-    low = -spread_max(np.where(solid, -ground, -np.inf), max(reach, 1))
-    relief = float((high - low).max(initial=0.0))  # m, the most there is under any foot
+    high, depth = spread_max(np.where(solid, (ground, -ground), -np.inf), max(reach, 1))
+    low = -depth
+    difference = high - low
+    relief = float(difference.max(initial=0.0))  # m, the most there is under any foot
     found = np.zeros(ground.shape, dtype=bool)
     if relief > RELIEF_MAX and reach:
-        found |= high - low > _relief_allowed(np.where(solid, ground, np.nan), reach)
+        box = _box_around(difference > RELIEF_MAX)
+        allowed = _relief_allowed(np.where(solid[box], ground[box], np.nan), reach)
+        found[box] = difference[box] > allowed
     if reach and holes.any():
         found |= spread_max(holes.astype(np.float64), reach) > 0.0
-    if math.sqrt(2.0) * relief > math.tan(SLOPE_MAX) * cell:
-        found |= _slope(ground, solid, cell) > math.tan(SLOPE_MAX)
+    gentle = math.tan(SLOPE_MAX) * cell / math.sqrt(2.0)  # m; with less relief nothing is too steep
+    if relief > gentle:
+        box = _box_around(difference > gentle * NEARLY)
+        found[box] |= _slope(ground[box], solid[box], cell) > math.tan(SLOPE_MAX)
     return np.asarray(found[inner])
+
+
+def _box_around(cells: NDArray[np.bool_]) -> Window:
+    """The least rectangle that holds some cells and their neighbours."""
+    rows, columns = (np.flatnonzero(cells.any(axis=axis)) for axis in (1, 0))
+    box = slice(int(rows[0]), int(rows[-1]) + 1), slice(int(columns[0]), int(columns[-1]) + 1)
+    return grown(box, 1, cells.shape)
 
 
 def _is_tall(
@@ -103,12 +117,15 @@ def _is_tall(
     around = max(1, round(RISE_WINDOW / cell / 2))
     wide = grown(window, around, heights.shape)
     ground = np.where(known[wide], heights[wide], np.nan)
-    low = np.fmin.reduce(ground, axis=None, initial=np.inf)
-    high = np.fmax.reduce(ground, axis=None, initial=-np.inf)
-    here = heights[window]
-    if not high - low > RISE_MAX:  # nothing can be that far above any mean
-        return np.zeros(here.shape, dtype=bool)
-    return np.asarray(here - _mean_around(ground, around)[within(window, wide)] > RISE_MAX)
+    here = ground[within(window, wide)]
+    found = np.zeros(here.shape, dtype=bool)
+    # nothing else can be that far above any mean
+    high = here - np.fmin.reduce(ground, axis=None, initial=np.inf) > RISE_MAX * NEARLY
+    if high.any():
+        box = _box_around(high)
+        inner = placed_in(box, within(window, wide))
+        found[box] = here[box] - _mean_around(ground, around, inner) > RISE_MAX
+    return found
 
 
 def _relief_allowed(heights: NDArray[np.float64], reach: int) -> NDArray[np.float64]:
@@ -119,16 +136,13 @@ def _relief_allowed(heights: NDArray[np.float64], reach: int) -> NDArray[np.floa
     goes up or down both ways.
     """
     even = np.zeros(heights.shape)
-    for axis in (0, 1):
-        if heights.shape[axis] < 3:
+    for h, total in ((heights, even), (heights.T, even.T)):
+        if len(h) < 3:
             continue
-        h = np.moveaxis(heights, axis, 0)
-        total = np.moveaxis(even, axis, 0)
-        before = h[2:] - h[1:-1]
-        behind = h[1:-1] - h[:-2]
-        total[1:-1] += np.where(
-            before * behind > 0.0, np.minimum(np.abs(before), np.abs(behind)), 0.0
-        )
+        rise = h[1:] - h[:-1]
+        before, behind = rise[1:], rise[:-1]
+        lesser = np.minimum(np.abs(before), np.abs(behind))
+        total[1:-1] += np.where(before * behind > 0.0, lesser, 0.0)
     return np.maximum(RELIEF_MAX, SLOPING * 2 * reach * even)
 
 
@@ -138,20 +152,24 @@ def _slope(
     """Steepness between known neighbours: central where both are known, one-sided where one is,
     else 0.
     """
-    steepness = np.zeros(heights.shape)
     filled = np.where(solid, heights, 0.0)
-    for axis in (0, 1):
-        h = np.moveaxis(filled, axis, 0)
-        stands = np.moveaxis(solid, axis, 0)
-        both = stands[1:] & stands[:-1]
-        rise = np.where(both, h[1:] - h[:-1], 0.0)
-        total = np.zeros(h.shape)
-        count = np.zeros(h.shape)
-        for side in (slice(1, None), slice(None, -1)):
-            total[side] += rise
-            count[side] += both
-        steepness = np.hypot(steepness, np.moveaxis(total / np.maximum(count, 1.0) / cell, 0, axis))
-    return steepness
+    along_y = _mean_rise(filled, solid) / cell
+    along_x = _mean_rise(filled.T, solid.T).T / cell
+    return np.asarray(np.hypot(along_y, along_x))
+
+
+def _mean_rise(lines: NDArray[np.float64], stands: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """How much each line of cells rises from the one before and to the next: the mean of both where
+    ground stands in all three.
+    """
+    both = stands[1:] & stands[:-1]
+    rise = np.where(both, lines[1:] - lines[:-1], 0.0)
+    total = np.zeros_like(lines)
+    total[1:] = rise
+    total[:-1] += rise
+    # where there are two
+    total[1:-1][both[1:] & both[:-1]] /= 2.0
+    return total
 
 
 def classify(heights: NDArray[np.float64], cell: float, machine: Machine) -> NDArray[np.bool_]:
@@ -161,6 +179,7 @@ def classify(heights: NDArray[np.float64], cell: float, machine: Machine) -> NDA
     H: no ground, slope over 35 degrees, or more than 0.03 m of relief under the foot that is no
     even slope; P: over 0.30 m above the ground around.
     """
+    rows, columns = heights.shape
     holes = np.isnan(heights)
     if holes.all():
         return np.ones(heights.shape, dtype=bool)
@@ -179,7 +198,8 @@ def classify(heights: NDArray[np.float64], cell: float, machine: Machine) -> NDA
         for axis in (0, 1)
     )
     steep = np.hypot(slope_x, slope_y) > math.tan(SLOPE_MAX)
-    tall = filled - _mean_around(heights, max(1, round(RISE_WINDOW / cell / 2))) > RISE_MAX
+    around = max(1, round(RISE_WINDOW / cell / 2))
+    tall = filled - _mean_around(heights, around, np.s_[:rows, :columns]) > RISE_MAX
     return np.asarray(holes | rough | steep | tall, dtype=bool)
 
 
@@ -209,21 +229,26 @@ def sole_cells(machine: Machine, cell: float) -> int:
     return math.floor(machine.foot_radius / cell + 1e-9)
 
 
-def _mean_around(heights: NDArray[np.float64], reach: int) -> NDArray[np.float64]:
-    """Mean of the ground that exists in the square of ``reach`` cells around each cell."""
+def _mean_around(heights: NDArray[np.float64], reach: int, inner: Window) -> NDArray[np.float64]:
+    """Mean of the ground that exists in the square of ``reach`` cells around each cell of a
+    rectangle of them.
+    """
     exists = ~np.isnan(heights)
-    total = _box_sum(np.where(exists, heights, 0.0), reach)
-    count = _box_sum(exists.astype(np.float64), reach)
-    return np.asarray(total / np.maximum(count, 1.0))
+    total = _box_sum(np.where(exists, heights, 0.0), reach, inner)
+    count = _box_sum(exists.astype(np.int32), reach, inner)
+    return np.asarray(total / np.maximum(count, 1))
 
 
-def _box_sum(values: NDArray[np.float64], reach: int) -> NDArray[np.float64]:
-    padded = np.pad(values, ((reach + 1, reach), (reach + 1, reach)))
-    summed = padded.cumsum(axis=0).cumsum(axis=1)
+def _box_sum(values: NDArray[Any], reach: int, inner: Window) -> NDArray[Any]:
+    """Sums over the square of ``reach`` cells around each cell of a rectangle of them."""
     side = 2 * reach + 1
-    return np.asarray(
-        summed[side:, side:]
-        - summed[:-side, side:]
-        - summed[side:, :-side]
-        + summed[:-side, :-side]
-    )
+    rows, columns = values.shape
+    padded = np.zeros((rows + side, columns + side), dtype=values.dtype)
+    padded[reach + 1 : reach + 1 + rows, reach + 1 : reach + 1 + columns] = values
+    (top, bottom), (left, right) = ((part.start or 0, part.stop) for part in inner)
+    down = padded[: bottom + side, : right + side].cumsum(axis=0, dtype=values.dtype)
+    below = down[top:bottom].cumsum(axis=1, dtype=values.dtype)
+    above = down[top + side :].cumsum(axis=1, dtype=values.dtype)
+    before = slice(left, right)
+    after = slice(left + side, None)
+    return np.asarray(above[:, after] - below[:, after] - above[:, before] + below[:, before])

@@ -205,12 +205,8 @@ class WorkingMap:
         solid = evidence.known[outer] & ~np.isnan(heights)
         supposed = self.prior.heights(window, self.map)
         if solid.any():
-            total = np.where(solid, heights, 0.0)
-            count = solid.astype(np.float64)
-            for axis in (0, 1):
-                total = _sum_of_five(total, axis)
-                count = _sum_of_five(count, axis)
-            total, count = total[inner], count[inner]
+            ground = np.where(solid, (heights, np.ones_like(heights)), 0.0)
+            total, count = _sums_around(ground)[:, *inner]
             supposed = np.where(count > 0.0, total / np.maximum(count, 1.0), supposed)
         return np.asarray(np.where(evidence.known[window], evidence.heights[window], supposed))
 
@@ -224,11 +220,16 @@ class WorkingMap:
         return self.map
 
 
-def _sum_of_five(values: Array, axis: int) -> Array:
-    """Each cell with its two neighbours on either side along one axis."""
-    lines = np.moveaxis(values, axis, 0)
-    total = lines.copy()
+def _sums_around(values: Array) -> Array:
+    """Each cell with its two neighbours on either side, along rows and columns, the last two
+    axes.
+    """
+    down = values.copy()
     for shift in (1, 2):
-        total[shift:] += lines[:-shift]
-        total[:-shift] += lines[shift:]
-    return np.asarray(np.moveaxis(total, 0, axis))
+        down[:, shift:] += values[:, :-shift]
+        down[:, :-shift] += values[:, shift:]
+    across = down.copy()
+    for shift in (1, 2):
+        across[:, :, shift:] += down[:, :, :-shift]
+        across[:, :, :-shift] += down[:, :, shift:]
+    return across

@@ -202,3 +202,51 @@ def test_a_scan_spread_over_ticks_finds_what_one_at_once_finds():
         assert pauses == spread.pauses > 3
         for one, other in zip(whole.scan(body, 0.2), found, strict=True):
             assert np.array_equal(one, other, equal_nan=True)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_scan_meets_what_rays_followed_one_by_one_meet(seed):
+    rng = np.random.default_rng(seed)
+    heights = np.cumsum(0.02 * rng.standard_normal((120, 120)), axis=0)
+    heights[rng.random(heights.shape) < 0.05] = np.nan
+    eye = eye_over(heights, seed)
+    body = (0.7, -0.4, 0.85 + float(np.nanmax(heights)), 0.02, -0.03, 0.4)
+    turned = eye_over(heights, seed).rng.uniform(-0.5, 0.5)
+    bearings = eye.bearings + turned * math.radians(eye.settings.resolution_deg[0])
+    wanted = {}
+    for bearing, lowest in zip(bearings, eye._lowest(body, bearings), strict=True):
+        _follow(eye, eye.place(body), bearing + body[5], lowest, wanted)
+    scan = eye.scan(body)
+    found = zip(scan.rows.tolist(), scan.columns.tolist(), strict=True)
+    assert dict(zip(found, zip(scan.heights, scan.sides, strict=True), strict=True)) == {
+        cell: (pytest.approx(height, nan_ok=True), side) for cell, (height, side) in wanted.items()
+    }
+
+
+def _follow(eye, place, bearing, lowest, found):
+    """One profile of the ground, ray after ray from the lowest: what stops each."""
+    x, y, z = place
+    resolution = math.radians(eye.settings.resolution_deg[1])
+    rays = math.floor(eye.settings.height_deg / eye.settings.resolution_deg[1]) + 1
+    ray, rim = 0, -math.inf
+    for d in eye.distances:
+        cell = eye.ground.cell_at(x + math.cos(bearing) * d, y + math.sin(bearing) * d)
+        height = math.nan if cell is None else eye.ground.heights[cell]
+        came_in = None
+        while ray < rays and lowest + ray * resolution <= math.atan2(height - z, d):
+            came_in = z + (d - eye.distances[0]) * math.tan(lowest + ray * resolution)
+            ray += 1
+        if came_in is not None and math.hypot(d, height - z) <= eye.settings.range:
+            top = came_in >= height - 1e-6
+            before, side = found.get(cell, (-math.inf, True))
+            if top:
+                found[cell] = height, False
+            elif side:
+                found[cell] = max(before, came_in), True
+        if not math.isnan(height):
+            rim = height
+            continue
+        flying = z + d * math.tan(lowest + ray * resolution)
+        seen = math.hypot(d, flying - z) <= eye.settings.range
+        if cell is not None and ray < rays and flying < rim - 0.02 and seen:
+            found[cell] = math.nan, False

@@ -9,6 +9,7 @@ from walking_console.planner.terrain.grid import (
     HeightGrid,
     grown,
     joined,
+    placed_in,
     solid_heights,
     spread_max,
     within,
@@ -73,6 +74,22 @@ def test_the_largest_value_spreads_over_a_square():
     spread = spread_max(values, 2)
     assert (spread[1:6, 1:6] == 2.0).all()
     assert spread.sum() == 2.0 * 25
+
+
+@pytest.mark.parametrize("reach", range(6))
+def test_the_largest_value_within_reach_is_that_of_every_cell_looked_at(reach):
+    values = np.random.default_rng(reach).standard_normal((2, 5, 9))
+    found = spread_max(values, reach)
+    for layer, row, column in np.ndindex(values.shape):
+        rows = slice(max(row - reach, 0), row + reach + 1)
+        columns = slice(max(column - reach, 0), column + reach + 1)
+        assert found[layer, row, column] == values[layer, rows, columns].max()
+
+
+def test_a_rectangle_of_a_part_lies_in_the_map_where_the_part_does():
+    part, inner = grown((slice(3, 8), slice(10, 12)), 2, (40, 60)), (slice(1, 3), slice(0, 2))
+    assert placed_in(inner, part) == (slice(2, 4), slice(8, 10))
+    assert within(placed_in(inner, part), part) == inner
 
 
 def test_holes_do_not_count_as_ground():

@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 
 from walking_console.planner.robot.model import load_machine
-from walking_console.planner.terrain.traversability import Kind, classify, classify_again, kinds
+from walking_console.planner.terrain.traversability import (
+    Kind,
+    classify,
+    classify_again,
+    kinds,
+    kinds_within,
+)
 
 MACHINE = load_machine("titan3")
 CELL = 0.025
@@ -91,6 +97,19 @@ def test_where_all_is_known_kinds_are_what_classify_refuses(seed):
     heights = hills(seed)
     found = kinds(heights, np.ones(heights.shape, dtype=bool), CELL, MACHINE)
     assert np.array_equal(found != Kind.O, classify(heights, CELL, MACHINE))
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_the_kinds_of_a_rectangle_are_those_it_has_in_the_whole_map(seed):
+    rng = np.random.default_rng(seed)
+    heights = hills(seed)
+    known = rng.random(heights.shape) < 0.97
+    known[:, : int(rng.integers(0, 60))] = False
+    whole = kinds(heights, known, CELL, MACHINE)
+    for row, column in ((0, 0), (0, 60), (40, 30), (55, 10)):
+        window = np.s_[row : row + 25, column : column + 40]
+        found = kinds_within(window, heights, known, CELL, MACHINE)
+        assert np.array_equal(found, whole[window])
 
 
 def test_a_hole_is_h_a_pole_is_p_and_its_rim_both():
