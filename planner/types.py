@@ -124,8 +124,8 @@ class Stance:
     already walked on the trace. ``still`` counts the steps since the body last got on (the
     lookahead's guard against walking on the spot). ``lean`` is the gradient of the body's floor
     along absolute x and y; (0, 0) is level. ``body`` is on the reference (L_G, or the trace), from
-    which steps are decided; the body itself is ``sway`` beside it and goes at ``velocity``. Metres,
-    seconds and radians, absolute frame.
+    which steps are decided; the body itself is ``sway`` beside it, along its floor, and goes at
+    ``velocity``. Metres, seconds and radians, absolute frame.
 
     >>> from walking_console import Stance
     >>> feet = ((0.5, 0.4, 0.0), (-0.5, 0.4, 0.0), (-0.5, -0.4, 0.0), (0.5, -0.4, 0.0))
@@ -150,7 +150,8 @@ class Stance:
     def place(self) -> tuple[float, float, float, float]:
         """Where the body itself is: x, y, z, yaw."""
         x, y, z, yaw = self.body
-        return x + self.sway[0], y + self.sway[1], z, yaw
+        dx, dy = self.sway
+        return x + dx, y + dy, z + self.lean[0] * dx + self.lean[1] * dy, yaw
 
     def at_rest(self) -> Stance:
         """The same with the reference through the body, which stands still."""

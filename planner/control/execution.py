@@ -218,7 +218,8 @@ class Execution:
         if self.plan.rates is not None:
             way = zip(actual.body, end.place, now, strict=True)
             x, y, z, yaw = (place + last - before for place, last, before in way)
-        reference = (x - end.sway[0], y - end.sway[1], z, yaw)
+        dx, dy = end.sway
+        reference = (x - dx, y - dy, z - end.lean[0] * dx - end.lean[1] * dy, yaw)
         return replace(actual, body=reference, sway=end.sway, velocity=end.velocity)
 
     def standing(self, sensing: Sensing) -> Stance:

@@ -161,10 +161,12 @@ def leaning_reflex(
     tick, the plan's own turning is followed.
     """
     (bx, by, _, roll, pitch, yaw), feet_b, soles = sensing.body, sensing.feet_b, sensing.soles
-    start, body, rate, air, stand, down, feet, ground, _, curves = playback.stretches[
+    start, body, rate, air, stand, down, feet, ground, bend, curves = playback.stretches[
         playback.stretch(t_next)
     ]
     s = (0.0 if t_next < 0.0 else min(t_next, playback.duration)) - start
+    if bend is not None:
+        rate = bent(rate, bend, s)
     x, y, z = body[0] + rate[0] * s, body[1] + rate[1] * s, body[2] + rate[2] * s
     heading = body[3] + rate[3] * s
     if air and down:

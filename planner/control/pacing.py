@@ -111,7 +111,9 @@ def _braking_at(run: Execution, x: float, y: float, carrying: Sequence[bool]) ->
         return None
     dx = x - way.body[0][0]
     dy = y - way.body[0][1]
-    return way if math.hypot(dx, dy) <= run.tolerances.same_place else way.moved(dx, dy)
+    lean = run.tracker.lean_at(run.t)
+    near = math.hypot(dx, dy) <= run.tolerances.same_place
+    return way if near else way.moved(dx, dy, lean[0] * dx + lean[1] * dy)
 
 
 def _footing(run: Execution, carrying: Sequence[bool]) -> CarryingFeet:
@@ -120,5 +122,7 @@ def _footing(run: Execution, carrying: Sequence[bool]) -> CarryingFeet:
     feet = [run.tracker.foot_at(leg, run.t) for leg in range(len(carrying))]
     polygon = support_polygon(foot for foot, carries in zip(feet, carrying, strict=True) if carries)
     return CarryingFeet(
-        polygon, centre_over(run.machine, body, feet), bounds_of(run.stance, run.gait)
+        polygon,
+        centre_over(run.machine, body, feet, run.tracker.lean_at(run.t)),
+        bounds_of(run.stance, run.gait),
     )

@@ -11,6 +11,7 @@ from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
 from ..geometry.transforms import Body, attitude_of, direction, left_fold_sum
+from ..motion.body_tilt import speed_leaning
 from ..robot.model import Machine
 from ..types import Phase, Point, StepPlan
 
@@ -204,13 +205,7 @@ class TrajectoryTracker:
 
     def _paces_of(self, machine: Machine) -> list[float]:
         if self._paces is None:
-            # a leaning leg goes sideways as it goes up
-            tilt = max(math.hypot(*self.lean_at(0.0)), math.hypot(*self.plan.end.lean))
-            limits = (
-                machine.speed[0] / (1.0 + tilt),
-                machine.speed[1] / (1.0 + tilt),
-                machine.speed[2] / (1.0 + tilt),
-            )
+            limits = speed_leaning(machine, (self.lean_at(0.0), self.plan.end.lean))
             self._paces = [
                 _pace(stretch, end, limits)
                 for stretch, end in zip(self.stretches, self._times[1:], strict=True)

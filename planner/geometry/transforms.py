@@ -124,6 +124,11 @@ def attitude_of(gradient: XY, yaw: float) -> XY:
     return math.asin(left / math.sqrt(1.0 + ahead * ahead + left * left)), -math.atan(ahead)
 
 
+def tilt_of(gradient: XY, yaw: float) -> Matrix:
+    """Axes of a body with such a floor in those of a level one with the same yaw."""
+    return rotation(*attitude_of(gradient, yaw), 0.0)
+
+
 def left_fold_sum(values: Iterable[float]) -> float:
     """Sum of floats, added one after the other from the left.
 

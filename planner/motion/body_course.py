@@ -14,12 +14,24 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from ..geometry.polygons import Polygon
-from ..geometry.transforms import XY, Body, Point, direction, point_seen, turned_back
+from ..geometry.transforms import (
+    XY,
+    Body,
+    Matrix,
+    Point,
+    direction,
+    point_seen,
+    tilt_of,
+    turned_back,
+    turned_back_by,
+    turned_by,
+)
 from ..robot.model import Machine
 from ..stability import polygon_margin, support_polygon
 from ..statics import centre_of_gravity
 from ..types import Phase, Stance, StepPlan
 from .body_path import OFFSET_MAX, lateral_bounds, meeting, nearest_edge_normal
+from .body_tilt import LEVEL, Lean
 
 STILL = 1e-9  # m; a reference that goes no farther stands
 STRAIGHT = 1e-9  # m and rad that a straight reference may be off its line
@@ -33,12 +45,13 @@ FLAT_MIN = 0.3  # of way over the ground per metre of a reference; one with less
 
 class Moment(NamedTuple):
     """An instant of a step: how far the reference has come, where the centre of gravity is from the
-    body then, absolute axes, and the feet that stand, in leg order.
+    body then, absolute axes, the feet that stand, in leg order, and how the body leans.
     """
 
     length: float
     centre: XY
     feet: Sequence[Point | None]
+    lean: Lean
 
 
 class Course:
@@ -54,6 +67,7 @@ class Course:
         carries_along: float,
         machine: Machine,
         standing: tuple[Sequence[Point | None], Sequence[Point | None]],
+        leans: tuple[Lean, Lean, Lean],
     ) -> None:
         lengths = _lengths(reference)
         kept = [0, len(lengths) - 1] if _is_even(reference, lengths) else _apart(lengths)
@@ -75,6 +89,7 @@ class Course:
         self.carries_along = carries_along
         self._machine = machine
         self._standing = standing  # the feet that stand before, and after, a leg lifts
+        self.leans = leans  # of the body at the beginning, when a leg lifts, and at the end
         self.aside = math.pi / 2  # rad, from the course to the direction in which the body sways
 
     @classmethod
@@ -89,13 +104,24 @@ class Course:
         reference = [(b[0], b[1], b[2], b[3]) for b in plan.body.tolist()]
         feet = plan.feet.tolist()
         lift = first or 0
-        lifting = centre_over(machine, reference[lift], feet[lift])
-        centres = lifting, centre_over(machine, reference[-1], feet[-1])
+        leans = _leans(plan, lift)
+        lifting = centre_over(machine, reference[lift], feet[lift], leans[1])
+        centres = lifting, centre_over(machine, reference[-1], feet[-1], leans[2])
         lifts = len(plan.phases) if first is None else first
-        share = _carried_along(machine, reference[lift], feet[lift], lifting)
+        share = _carried_along(machine, reference[lift], feet[lift], (lifting, leans[1]))
         on = _feet_but(stance, stance.lifted), _feet_but(stance, plan.swing)
         polygons = standing, swinging
-        return cls(reference, plan.crab_angle, polygons, centres, lifts, share, machine, on)
+        return cls(reference, plan.crab_angle, polygons, centres, lifts, share, machine, on, leans)
+
+    @property
+    def leaning(self) -> bool:
+        """True when the body leans at any time."""
+        return self.leans[0] != LEVEL or self.leans[2] != LEVEL
+
+    def lean_at(self, share: float) -> Lean:
+        """How the body leans after a share of the step's time: it leans over evenly."""
+        (bx, by), _, (ex, ey) = self.leans
+        return bx + share * (ex - bx), by + share * (ey - by)
 
     @property
     def length(self) -> float:
@@ -157,17 +183,23 @@ class Course:
 
     def lifting(self, length: float) -> Moment:
         """A leg lifts after a length of the reference."""
-        return Moment(length, self.centres[0], self._standing[0])
+        return Moment(length, self.centres[0], self._standing[0], self.leans[1])
+
+    def halfway(self, length: float) -> Moment:
+        """A leg is halfway in the air after a length of the reference."""
+        (ax, ay), (bx, by) = self.centres
+        centre = (ax + bx) / 2.0, (ay + by) / 2.0
+        return Moment(length, centre, self._standing[1], self.leans[2])
 
     @property
     def landing(self) -> Moment:
         """The step ends, and with it a leg's swing."""
-        return Moment(self.length, self.centres[1], self._standing[1])
+        return Moment(self.length, self.centres[1], self._standing[1], self.leans[2])
 
     @property
     def shifted(self) -> Moment:
         """The step ends in which no leg has lifted."""
-        return Moment(self.length, self.centres[1], self._standing[0])
+        return Moment(self.length, self.centres[1], self._standing[0], self.leans[2])
 
     def bounds_at(self, when: Moment, polygon: Polygon, margin: float, along: float = 0.0) -> XY:
         """The offsets at which the body keeps a margin in a polygon, when it is so far ``along``
@@ -181,14 +213,17 @@ class Course:
         """The offsets at which every foot that stands is within its leg's mechanical reach."""
         x, y, z, yaw = self.at(when.length)
         sx, sy = self.side(when.length)
-        body = x + along * sy, y - along * sx, z, yaw
-        ahead, left = turned_back(sx, sy, yaw)
+        lx, ly = when.lean
+        climb = lx * sx + ly * sy
+        body = x + along * sy, y - along * sx, z + along * (lx * sy - ly * sx), yaw
+        tilt = None if when.lean == LEVEL else tilt_of(when.lean, yaw)
+        ahead, left, _ = tilted(tilt, (*turned_back(sx, sy, yaw), climb))
         over_x, over_y, _ = self._machine.overreach
         low, high = -OFFSET_MAX, OFFSET_MAX
         for leg, foot in zip(self._machine.legs, when.feet, strict=True):
             if foot is None:
                 continue
-            seen_x, seen_y, _ = point_seen(body, foot)
+            seen_x, seen_y, _ = tilted(tilt, point_seen(body, foot))
             for place, (begin, end), over, rate in (
                 (seen_x, leg.x, over_x, ahead),
                 (seen_y, leg.y, over_y, left),
@@ -202,38 +237,18 @@ class Course:
         middle = min(max((low + high) / 2.0, -OFFSET_MAX), OFFSET_MAX)
         return middle, middle
 
-    def beyond(self, body: Body, lifted: bool) -> float:
+    def beyond(self, body: Body, lifted: bool, lean: Lean = LEVEL) -> float:
         """How far the farthest foot that stands before, or after, a leg is ``lifted`` is outside of
         its leg's mechanical reach with the body there, m; negative inside.
         """
-        over_x, over_y, _ = self._machine.overreach
-        x, y, _, yaw = body
-        c, s = direction(yaw)
-        most = -math.inf
-        for leg, foot in zip(self._machine.legs, self._standing[lifted], strict=True):
-            if foot is None:
-                continue
-            dx = foot[0] - x
-            dy = foot[1] - y
-            ahead = c * dx + s * dy
-            aside = c * dy - s * dx
-            x_low, x_high = leg.x
-            y_low, y_high = leg.y
-            most = max(
-                most,
-                ahead - x_high - over_x,
-                x_low - over_x - ahead,
-                aside - y_high - over_y,
-                y_low - over_y - aside,
-            )
-        return most
+        return _beyond(self._machine, body, self._standing[lifted], lean)
 
     def within_reach(self, length: float) -> float:
         """A length of the reference, or what of it is left in halves of it until every foot that
         stands before a leg lifts is within reach, m.
         """
         for _ in range(HALVES):
-            if self.beyond(self.at(length), lifted=False) <= -SAFE:
+            if self.beyond(self.at(length), lifted=False, lean=self.leans[0]) <= -SAFE:
                 return length
             length /= 2.0
         return 0.0
@@ -257,22 +272,25 @@ class Course:
         return polygon_margin(self.after, *self.weight_at(when, aside, along))
 
     def turn_to_safety(self, margin: float) -> None:
-        """Where no offset across the course keeps the margin when a leg lifts, sway away from the
-        nearest edge instead, if that is better.
+        """Where no offset across the course keeps the margin when a leg lifts, or until it lands,
+        sway away from the nearest edge instead, if that is better.
         """
-        when = self.lifting(self.lift_length)
+        if not self.after:
+            return
+        ends = (self.lifting(self.lift_length), self.landing)
+        when = min(ends, key=self._best)
         kept = self._best(when)
-        if not self.after or kept >= margin:
+        if kept >= margin:
             return
         across = self.aside
         nx, ny = nearest_edge_normal(self.after, *self.weight_at(when, 0.0, 0.0))
         now = self._begins + self.turning * when.length
         self.aside = math.atan2(ny, nx) - now
-        if self._best(when) <= kept:
+        if min(map(self._best, ends)) <= kept:
             self.aside = across
 
     def _best(self, when: Moment) -> float:
-        """The most margin an offset leaves when a leg lifts, m."""
+        """The most margin an offset leaves at a moment with a leg in the air, m."""
         low, high = self.bounds_at(when, self.after, OFFSET_MAX)
         return max(self.margin_at(when, aside, 0.0) for aside in (low, high))
 
@@ -288,7 +306,39 @@ class Course:
         return k, share if share < 1.0 else 1.0
 
 
-def centre_over(machine: Machine, body: Body, feet: Sequence[Sequence[float]]) -> XY:
+def _beyond(
+    machine: Machine, body: Body, feet: Sequence[Point | None], lean: Lean = LEVEL
+) -> float:
+    """How far the farthest of feet is outside of its leg's mechanical reach, m."""
+    over_x, over_y, _ = machine.overreach
+    x, y, z, yaw = body
+    c, s = direction(yaw)
+    tilt = None if lean == LEVEL else tilt_of(lean, yaw)
+    most = -math.inf
+    for leg, foot in zip(machine.legs, feet, strict=True):
+        if foot is None:
+            continue
+        dx = foot[0] - x
+        dy = foot[1] - y
+        ahead = c * dx + s * dy
+        aside = c * dy - s * dx
+        if tilt is not None:
+            ahead, aside, _ = turned_back_by(tilt, (ahead, aside, foot[2] - z))
+        x_low, x_high = leg.x
+        y_low, y_high = leg.y
+        most = max(
+            most,
+            ahead - x_high - over_x,
+            x_low - over_x - ahead,
+            aside - y_high - over_y,
+            y_low - over_y - aside,
+        )
+    return most
+
+
+def centre_over(
+    machine: Machine, body: Body, feet: Sequence[Sequence[float]], lean: Lean = LEVEL
+) -> XY:
     """The centre of gravity of body and legs from the body's own place, absolute axes."""
     bx, by, bz, yaw = body
     c, s = direction(yaw)
@@ -296,8 +346,28 @@ def centre_over(machine: Machine, body: Body, feet: Sequence[Sequence[float]]) -
         (c * (fx - bx) + s * (fy - by), c * (fy - by) - s * (fx - bx), fz - bz)
         for fx, fy, fz in feet
     ]
-    x, y, _ = centre_of_gravity(machine, seen)
+    tilt = None if lean == LEVEL else tilt_of(lean, yaw)
+    if tilt is not None:
+        seen = [turned_back_by(tilt, foot) for foot in seen]
+    centre = centre_of_gravity(machine, seen)
+    x, y, _ = centre if tilt is None else turned_by(tilt, centre)
     return c * x - s * y, s * x + c * y
+
+
+def tilted(tilt: Matrix | None, seen: Point) -> Point:
+    """A vector in the axes of a level body in those of one that is tilted so."""
+    return seen if tilt is None else turned_back_by(tilt, seen)
+
+
+def _leans(plan: StepPlan, lift: int) -> tuple[Lean, Lean, Lean]:
+    """How the body of a plan leans at its beginning, at its knot ``lift`` and at its end."""
+    after = plan.end.lean
+    before = after if plan.lean is None else plan.lean
+    if before == after:
+        return after, after, after
+    share = float(plan.times[lift] / plan.times[-1])
+    x, y = (a + share * (b - a) for a, b in zip(before, after, strict=True))
+    return before, (x, y), after
 
 
 def _feet_but(stance: Stance, legs: Collection[int]) -> list[Point | None]:
@@ -306,13 +376,14 @@ def _feet_but(stance: Stance, legs: Collection[int]) -> list[Point | None]:
 
 
 def _carried_along(
-    machine: Machine, body: Body, feet: Sequence[Sequence[float]], centre: XY
+    machine: Machine, body: Body, feet: Sequence[Sequence[float]], now: tuple[XY, Lean]
 ) -> float:
-    """By how much of a small sway of the body the centre of gravity goes with it; it is at
-    ``centre`` from the body before.
+    """By how much of a small sway of the body the centre of gravity goes with it; ``now`` is where
+    it is from the body before, and how that leans.
     """
     x, y, z, yaw = body
-    swayed = centre_over(machine, (x + NUDGE, y, z, yaw), feet)
+    centre, lean = now
+    swayed = centre_over(machine, (x + NUDGE, y, z + NUDGE * lean[0], yaw), feet, lean)
     return 1.0 + (swayed[0] - centre[0]) / NUDGE
 
 

@@ -19,7 +19,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..geometry.transforms import XY, Body, direction
+from ..geometry.transforms import (
+    XY,
+    Body,
+    direction,
+    point_seen,
+    tilt_of,
+    turned_back,
+    turned_back_by,
+)
 from ..robot.model import Machine
 from ..stability import polygon_margin
 from ..types import Gait, Phase, Point, Stance, StepPlan
@@ -36,6 +44,7 @@ from .body_path import (
     sampled,
     through_gates,
 )
+from .body_tilt import LEVEL, Lean
 from .step_builder import as_feet, as_table, changed
 from .swing_profile import SwingTable, as_planned, cubic_between, smooth_swing
 
@@ -54,10 +63,12 @@ STOPPED_BY = 0.6  # of a step's time; an offset that cannot be stopped by then i
 
 
 class Motion(NamedTuple):
-    """Where a body is, and how it moves."""
+    """Where a body is, and how it moves, leans and leans over."""
 
     body: Body
     rate: Body  # m/s and rad/s
+    lean: Lean = LEVEL
+    leaning: Lean = LEVEL  # m per m and second
 
 
 class Stop(NamedTuple):
@@ -82,9 +93,9 @@ def swayed(
     """The plan with the body on its smooth way from where ``stance`` has it.
 
     ``ahead`` are the supports expected after the step, times counted from its end, ``known`` the
-    legs that land on known ground. A plan that leans is left as it is.
+    legs that land on known ground. A body that leans sways along its floor.
     """
-    if not gait.sways or plan.lean is not None or plan.end.lean != (0.0, 0.0):
+    if not gait.sways:
         return plan
     bounds = bounds_of(stance, gait)
     course = Course.of(plan, stance, machine)
@@ -332,6 +343,9 @@ class _Way:
             along = _coming_back(start, back, braking)
             gates = _gates(table, course, ahead, bounds.margin + SPARE, along)
             across = through_gates(beside, gates)
+            between = _gate_between(task, table, (progress, along, across))
+            if between is not None:
+                across = through_gates(beside, sorted([*gates, between]))
         else:
             seconds = stop.seconds(rest)
             along = [start, _stopped(start, seconds), Knot(back, 0.0, 0.0)]
@@ -371,6 +385,26 @@ class _Way:
                 ),
             )
             out.append(motion)
+        return self._along_the_floor(times, out) if course.leaning else out
+
+    def _along_the_floor(self, times: Sequence[float], rows: Sequence[Motion]) -> list[Motion]:
+        """The same of a body that leans: its offsets go along its floor."""
+        course = self.course
+        last = self.table.times[-1]
+        (bx, by), _, (ex, ey) = course.leans
+        leaning = (ex - bx) / last, (ey - by) / last
+        out = []
+        ways = sampled(self.progress, times), rows
+        for time, (length, rate), ((x, y, z, yaw), (vx, vy, vz, turn), *_) in zip(
+            times, *ways, strict=True
+        ):
+            lean = course.lean_at(time / last)
+            (rx, ry, _, _), (onward, left, _, _) = course.motion(length)
+            off = x - rx, y - ry
+            drift = vx - onward * rate, vy - left * rate
+            body = x, y, z + _dot(lean, off), yaw
+            climb = vz + _dot(lean, drift) + _dot(leaning, off)
+            out.append(Motion(body, (vx, vy, climb, turn), lean, leaning))
         return out
 
     def hurries(self, bounds: Bounds, machine: Machine) -> XY:
@@ -410,9 +444,9 @@ class _Way:
 
     def _margin_at(self, knot: int, lifted: bool, machine: Machine) -> float:
         """The polygon margin at a knot of the table with the leg lifted or not yet, m."""
-        body = self.rows[knot].body
+        body, _, lean, _ = self.rows[knot]
         polygon = self.course.after if lifted and self.course.after else self.course.before
-        dx, dy = centre_over(machine, body, self.table.feet[knot])
+        dx, dy = centre_over(machine, body, self.table.feet[knot], lean)
         return polygon_margin(polygon, body[0] + dx, body[1] + dy)
 
     def foot_hurry(self, machine: Machine) -> float:
@@ -428,19 +462,19 @@ class _Way:
         table = self.table
         beyond = self.course.beyond
         knots = zip(table.times, self.rows, strict=True)
-        first = beyond(self.rows[0].body, table.lift == 0)
+        first = beyond(self.rows[0].body, table.lift == 0, self.rows[0].lean)
         for k, ((a, before), (b, after)) in enumerate(pairwise(knots)):
             lifted = k >= table.lift
             if k == table.lift:
-                first = beyond(before.body, lifted)
-            last = beyond(after.body, lifted)
+                first = beyond(before.body, lifted, before.lean)
+            last = beyond(after.body, lifted, after.lean)
             farther = max(first, last)
             first = last
             most = max(most, farther)
             if farther + max(self._bends[k]) * (b - a) ** 2 / 8.0 <= 0.0:
                 continue
             inner = (_between(before, after, b - a, share) for share in BETWEEN)
-            most = max(most, *(beyond(body, lifted) for body in inner))
+            most = max(most, *(beyond(body, lifted, after.lean) for body in inner))
         return most
 
     def plan(self, plan: StepPlan, curved: bool, machine: Machine) -> StepPlan:
@@ -448,7 +482,7 @@ class _Way:
         table = self.table
         rows = self.rows
         x, y, _, _ = plan.end.body
-        place, rate = rows[-1]
+        place, rate, _, _ = rows[-1]
         end = replace(plan.end, sway=(place[0] - x, place[1] - y), velocity=rate[:2])
         return changed(
             plan,
@@ -489,8 +523,8 @@ def _between(before: Motion, after: Motion, seconds: float, share: float) -> Bod
 
 def _accelerations(before: Motion, after: Motion, seconds: float) -> XY:
     """Those over the ground at both ends of the cubic between two motions, m/s²."""
-    (x, y, _, _), (begin_x, begin_y, _, _) = before
-    (to_x, to_y, _, _), (end_x, end_y, _, _) = after
+    (x, y, _, _), (begin_x, begin_y, _, _), _, _ = before
+    (to_x, to_y, _, _), (end_x, end_y, _, _), _, _ = after
     mean_x = 3.0 * ((to_x - x) / seconds)
     mean_y = 3.0 * ((to_y - y) / seconds)
     first = math.hypot(
@@ -523,20 +557,25 @@ def _fastest_foot(
     """Speed of the fastest of feet with these velocities, seen from a body in motion, over its
     limit.
     """
-    (x, y, _, yaw), (vx, vy, vz, turn) = motion
+    (x, y, _, yaw), (vx, vy, vz, turn), lean, leaning = motion
     c, s = direction(yaw)
+    leans = lean != LEVEL or leaning != LEVEL
     limit_x, limit_y, limit_z = machine.speed
     most = 0.0
     before: Point | None = None
     for foot, rate in zip(feet, rates, strict=True):
-        if rate == before and turn == 0.0:
+        if rate == before and turn == 0.0 and not leans:
             continue  # as fast as the foot before it
         before = rate
         wx = rate[0] - vx + turn * (foot[1] - y)
         wy = rate[1] - vy - turn * (foot[0] - x)
-        ahead = abs(c * wx + s * wy) / limit_x
-        aside = abs(c * wy - s * wx) / limit_y
-        up = abs(rate[2] - vz) / limit_z
+        wz = rate[2] - vz
+        velocity = c * wx + s * wy, c * wy - s * wx, wz
+        if leans:
+            velocity = _seen_leaning(motion, foot, velocity)
+        ahead = abs(velocity[0]) / limit_x
+        aside = abs(velocity[1]) / limit_y
+        up = abs(velocity[2]) / limit_z
         if ahead > most:
             most = ahead
         if aside > most:
@@ -544,6 +583,18 @@ def _fastest_foot(
         if up > most:
             most = up
     return most
+
+
+def _seen_leaning(motion: Motion, foot: Point, velocity: Point) -> Point:
+    """The velocity of a foot in the axes of a body that leans and leans over, from that in those
+    of a level one; first order in how fast it leans over.
+    """
+    yaw = motion.body[3]
+    px, py, pz = point_seen(motion.body, foot)
+    climb, roll = turned_back(*motion.leaning, yaw)
+    ahead, aside, up = velocity
+    seen = ahead + climb * pz, aside + roll * pz, up - roll * py - climb * px
+    return turned_back_by(tilt_of(motion.lean, yaw), seen)
 
 
 def _dot(vector: XY, along: XY) -> float:
@@ -613,6 +664,24 @@ def _gates(
             bounds = lateral_bounds(support.polygon, x + dx, y + dy, side, margin)
             _add(keys, last + time, bounds)
     return keys or [Key(last, 0.0, 0.0)]
+
+
+def _gate_between(
+    task: _Task, table: _Table, ways: tuple[Sequence[Knot], Sequence[Knot], Sequence[Knot]]
+) -> Key | None:
+    """The gate halfway between a leg's lift and its landing, where the way found without it leaves
+    less than the margin; None where it keeps that, or no leg lifts.
+    """
+    course = task.course
+    begin = table.times[table.lift]
+    seconds = (begin + table.times[-1]) / 2.0
+    if not course.after or seconds - begin <= SOONEST:
+        return None
+    length, along, aside = (at(way, seconds).value for way in ways)
+    when = course.halfway(length)
+    if course.margin_at(when, aside, along) >= task.bounds.margin:
+        return None
+    return Key(seconds, *course.bounds_at(when, course.after, task.bounds.margin + SPARE, along))
 
 
 def _add(keys: list[Key], time: float, bounds: XY) -> None:

@@ -9,7 +9,7 @@ nothing of leans: they see a sheared stance and map, and their plan is sheared b
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -274,6 +274,15 @@ def reaches(
                 min(y2, cr * spec.y[1] + min(across)),
             )
     return largest, boxes
+
+
+def speed_leaning(machine: Machine, leans: Iterable[Lean]) -> Point:
+    """What is left of a leg's speeds along the axes of a level body, m/s, when its body has any of
+    these leans: a leaning leg goes sideways as it goes up.
+    """
+    tilt = max(math.hypot(*lean) for lean in leans)
+    vx, vy, vz = machine.speed
+    return vx / (1.0 + tilt), vy / (1.0 + tilt), vz / (1.0 + tilt)
 
 
 def rounded(value: float, grain: float) -> float:

@@ -55,10 +55,10 @@ class Braking(NamedTuple):
         """s until it stands."""
         return TICK * (len(self.body) - 1)
 
-    def moved(self, dx: float, dy: float) -> Braking:
+    def moved(self, dx: float, dy: float, dz: float = 0.0) -> Braking:
         """The same from somewhere else, m."""
         return Braking(
-            [(x + dx, y + dy, z, yaw) for x, y, z, yaw in self.body], self.rates, self.safe
+            [(x + dx, y + dy, z + dz, yaw) for x, y, z, yaw in self.body], self.rates, self.safe
         )
 
     def rest_of(self, stance: Stance) -> Stance:

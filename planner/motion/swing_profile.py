@@ -22,6 +22,7 @@ import numpy as np
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
 from ..types import Array, Phase, Point, StepPlan
+from .body_tilt import speed_leaning
 from .step_builder import changed
 from .swing import between
 
@@ -202,9 +203,9 @@ def gentle(plan: StepPlan, machine: Machine, known: Collection[int], most: float
     """A plan of a posture, or of feet that are set down, with smooth swings; a body that shifts on
     all its feet begins and ends at rest and speeds up by no more than ``most``, m/s².
 
-    What leans, and what moves body and feet at once, is left as it is.
+    What moves body and feet at once is left as it is.
     """
-    if plan.rates is not None or plan.lean is not None or plan.end.lean != (0.0, 0.0):
+    if plan.rates is not None:
         return plan
     if (plan.body == plan.body[0]).all():
         return _with_smooth_swing(plan, machine, known) if plan.swing else plan
@@ -274,7 +275,7 @@ class _Smoothing:
         self.swing = [leg for leg in plan.swing if leg not in plan.end.lifted]
         self.ends = plan.end.feet
         self.known = known
-        self.speed = machine.speed
+        self.speed = speed_leaning(machine, (plan.lean or plan.end.lean, plan.end.lean))
         self.runs = list(_runs(plan.phases))
 
     def table(self) -> SwingTable:

@@ -24,6 +24,7 @@ import numpy as np
 
 from walking_console.planner.stability import MARGIN_SLACK, polygon_margin, support_polygon
 from walking_console.planner.types import TICK, Command
+from walking_console.sim.margins import true_centre
 from walking_console.sim.scenario_files import load_scenario
 from walking_console.sim.simulation import Simulation
 from walking_console.sim.world import prepare
@@ -83,7 +84,8 @@ class Watch:
     forbidden_steps: int = 0
     feet_moved: float = 0.0  # m, the most a standing foot moved in one tick
     margin: float = math.inf  # m, least longitudinal
-    polygon_margin: float = math.inf  # m, least
+    polygon_margin: float = math.inf  # m, least, of the body's own place
+    true_margin: float = math.inf  # m, least, of the true centre of gravity
     stood: float = 0.0  # s, longest commanded to move without moving
     stood_at: float = 0.0  # s, when that was over
     blocked: float = 0.0  # s, longest
@@ -111,9 +113,16 @@ class Watch:
 
 def planned_polygon_margin(console: Simulation) -> float:
     """How far the body's own place, which planners go by, is inside the feet meant to carry, m."""
-    feet = zip(console.plant.feet, console.walk.carrying(), strict=True)
+    return console.margins(console.walk.carrying()).polygon
+
+
+def true_polygon_margin(console: Simulation) -> float:
+    """The same of the centre of gravity of torso and legs, m."""
+    plant = console.plant
+    feet = zip(plant.feet, console.walk.carrying(), strict=True)
     polygon = support_polygon([foot for foot, carries in feet if carries])
-    return polygon_margin(polygon, console.plant.body[0], console.plant.body[1])
+    x, y, _ = true_centre(console.world.machine, plant.body, plant.feet)
+    return polygon_margin(polygon, x, y)
 
 
 class Watched:
@@ -151,12 +160,10 @@ class Watched:
         if plant.state != "standing":
             seen.falls = 1
         carrying = walk.carrying()
-        margin = console.margins(carrying).longitudinal
-        polygon = planned_polygon_margin(console)
-        seen.margin, seen.polygon_margin = (
-            min(seen.margin, margin),
-            min(seen.polygon_margin, polygon),
-        )
+        margins = console.margins(carrying)
+        seen.margin = min(seen.margin, margins.longitudinal)
+        seen.polygon_margin = min(seen.polygon_margin, margins.polygon)
+        seen.true_margin = min(seen.true_margin, true_polygon_margin(console))
         self._look_at_feet(carrying)
         self._look_at_body()
 
@@ -441,8 +448,9 @@ class Kept:
                 file.write(json.dumps(row) + "\n")
         print(
             f"{key}: {row['amiss'] or 'well'}; {seen.steps} steps, {seen.way:.1f} m,"
-            f" {math.degrees(seen.turned):.0f}°, least margin {1e3 * seen.polygon_margin:.1f} mm,"
-            f" stood {seen.stood:.1f} s (till {seen.stood_at:.1f} s), blocked {seen.blocked:.1f} s"
+            f" {math.degrees(seen.turned):.0f}°, least margin {1e3 * seen.polygon_margin:.1f} mm"
+            f" ({1e3 * seen.true_margin:.1f} of the true centre), stood {seen.stood:.1f} s"
+            f" (till {seen.stood_at:.1f} s), blocked {seen.blocked:.1f} s"
             f" {seen.reason}",
             flush=True,
         )
@@ -474,7 +482,7 @@ def table(rows: list[dict[str, Any]]) -> None:
         groups.setdefault((robot, beta, row["ground"], what), []).append(row)
     print(
         "| robot, β | ground | what | walks | with nothing amiss | simulated, min | steps "
-        "| falls | forbidden steps | least margin, mm |"
+        "| falls | forbidden steps | least margin, mm: body, true centre |"
         " longest stand while driven, s: median, most | longest blocked, s |"
     )
     print("|---" * 12 + "|")
@@ -490,7 +498,8 @@ def table(rows: list[dict[str, Any]]) -> None:
             sum(walk["steps"] for walk in walks),
             sum(walk["falls"] for walk in walks),
             sum(walk["forbidden_steps"] for walk in walks),
-            f"{1e3 * min(walk['polygon_margin'] for walk in walks):.1f}",
+            f"{1e3 * min(walk['polygon_margin'] for walk in walks):.1f}, "
+            f"{1e3 * min(walk['true_margin'] for walk in walks):.1f}",
             f"{stood[len(stood) // 2]:.1f}, {stood[-1]:.1f}",
             f"{max(walk['blocked'] for walk in walks):.1f}",
         ]

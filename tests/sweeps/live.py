@@ -3,14 +3,16 @@ than their file says, with sensors that scatter, and pushed.
 
 Run: python -m tests.sweeps.live matrix [--rows ROW ...] [--walks SCENARIO ...] [--body sway]
      python -m tests.sweeps.live pushes [--walks SCENARIO ...] [--newtons N ...] [--directions K]
-     python -m tests.sweeps.live hands|postures [--count N] [--from SEED]
+     python -m tests.sweeps.live hands|circles|grounds [--count N] [--from SEED]
+     python -m tests.sweeps.live postures [--robots ROBOT ...] [--count N] [--from SEED]
 
 ``matrix`` prints a line for each walk and row: how it ended, the most the body leant against its
 plan, how far off its odometry is at the end as a share of the way, and what its feet met that was
 not in its map; then a summary of each row. ``pushes`` pushes the torso for 0.1 s and prints a line
 for each force. ``hands`` leaves the stick to a restless hand for a while and then asks for one
-steady course; ``postures`` takes the standard posture from random ones on level ground. A SCENARIO
-is a name, or name:key=value;key=value. Needs MuJoCo.
+steady course; ``circles`` goes once round on the spot and on circles of 1 m; ``grounds`` walks the
+16 kinds of ground of docs/predictive.md; ``postures`` takes the standard posture from random ones,
+on level and on rough ground. A SCENARIO is a name, or name:key=value;key=value. Needs MuJoCo.
 """
 
 from __future__ import annotations
@@ -23,8 +25,17 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from tests.sweeps.hands import FORBIDDEN, HOMEWARD, hand, homeward
-from tests.sweeps.postures import gait_of, ground_of, random_stance
+from tests.sweeps import foresight
+from tests.sweeps.hands import (
+    CIRCLE_SPEED,
+    FORBIDDEN,
+    HOMEWARD,
+    PATIENCE,
+    SPOT_RATE,
+    hand,
+    homeward,
+)
+from tests.sweeps.postures import MACHINES, gait_of, random_stance
 from walking_console.planner.geometry.transforms import attitude_of, turned_back
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.types import TICK, Command
@@ -32,6 +43,7 @@ from walking_console.sim.requests import Push, TakePosture
 from walking_console.sim.runs.runner import TimelinePlayer, long_lived_objects_kept
 from walking_console.sim.scenario_files import load_scenario, scenario_names
 from walking_console.sim.simulation import Simulation
+from walking_console.sim.world import prepare
 
 PHYSICS = "plant=physics"
 NOISE = "noise={position=0.005,posture_deg=0.5,delay=0.02}"
@@ -68,11 +80,16 @@ PUSH_TICKS = 5
 STARTED = 6.0  # s of walking before the first push
 AFTER = 8.0  # s of walking after it
 HANDS_COUNT = 40
+GROUNDS_COUNT = 5
 POSTURES_COUNT = 1000
+POSTURE_GROUNDS = ("level", "rough")
+ROUGHNESS = 0.1 / 0.85  # m up and down at most, for each m of standing height
 POSED = 90.0  # s in which a posture is to be taken
 SEED = 52_000
 HOME_MIN = 0.3  # m that a steady course gets on at least
 HELD = 40.0  # s a hand has the stick
+CIRCLE_RADII = (0.0, 1.0)  # m; 0 is on the spot
+CIRCLE_EVERY = 30  # degrees of crab angle
 HEAD = (
     f"{'row':<16} {'walk':<18} {'result':<10} {'s':>6} {'m':>6} {'tilt °':>6} {'end %':>6} "
     "enc reason"
@@ -227,11 +244,28 @@ def pushes(given: argparse.Namespace) -> None:
                     print(f"    {degrees:.1f}° at {phase:.2f} s: {got.result} {got.reason}")
 
 
-def handed(seed: int, ground: str, body: str) -> Walked:
-    """One restless hand on the stick, then one steady course for ``HOMEWARD`` seconds."""
+def on_ground(ground: str, seed: int, body: str) -> Simulation:
+    """A machine on wide ground, for a hand to drive."""
     wide = ("drive=[{t=0.0, speed=0.1, turn_rate_deg_s=0.1}]", "end={time=1000.0, distance=6.0}")
     more = (PHYSICS, GROUNDS[ground], f"seed={seed}", f"gait.body={body}", "expect={}", *wide)
-    simulation = scenario_of("flat", more)
+    return scenario_of("flat", more)
+
+
+def stepped(simulation: Simulation, got: Walked) -> bool:
+    """One tick, and what it came to; False when it fell."""
+    simulation.step()
+    got.tilt = max(got.tilt, math.degrees(tilt_against_plan(simulation)))
+    got.met = sum(simulation.walk.contacts.counts.values())
+    got.reason = simulation.reason
+    if simulation.plant.state == "fallen":
+        got.result = "fell"
+        return False
+    return True
+
+
+def handed(seed: int, ground: str, body: str) -> Walked:
+    """One restless hand on the stick, then one steady course for ``HOMEWARD`` seconds."""
+    simulation = on_ground(ground, seed, body)
     positions = hand(np.random.default_rng([seed, 1]))
     changes = 0
     got = Walked()
@@ -244,78 +278,139 @@ def handed(seed: int, ground: str, body: str) -> Walked:
             stays, command = next(positions)
             changes += max(1, round(stays / TICK))
             simulation.order(homeward(simulation, command))
-        simulation.step()
-        got.tilt = max(got.tilt, math.degrees(tilt_against_plan(simulation)))
-        if simulation.plant.state == "fallen":
-            got.result = "fell"
+        if not stepped(simulation, got):
             return got
     got.distance = math.dist(simulation.plant.body[:2], (x, y))
-    got.met = sum(simulation.walk.contacts.counts.values())
     got.result = "walks" if got.distance > HOME_MIN else "stuck"
-    got.reason = simulation.reason
     return got
 
 
 def hands(given: argparse.Namespace) -> None:
     """So many hands on each ground."""
     for ground in GROUNDS:
-        came = [
-            handed(given.seed + k, ground, given.body) for k in range(given.count or HANDS_COUNT)
-        ]
+        came = {
+            f"seed {given.seed + k}": handed(given.seed + k, ground, given.body)
+            for k in range(given.count or HANDS_COUNT)
+        }
         _tell(f"hands, {ground}", came)
 
 
-def posed(name: str, rng: np.random.Generator, body: str) -> Walked:
-    """From random feet on level ground to the standard posture."""
+def circled(radius: float, degrees: int, sense: int, simulation: Simulation) -> Walked:
+    """Once round at one crab angle, on the spot where the radius is 0."""
+    speed, rate = (CIRCLE_SPEED, CIRCLE_SPEED / radius) if radius else (0.0, SPOT_RATE)
+    simulation.order(Command(math.radians(degrees), speed, sense * rate))
+    got = Walked()
+    turned = 0.0
+    yaw = simulation.plant.body[5]
+    for _ in range(round(PATIENCE * math.tau / rate / TICK)):
+        if not stepped(simulation, got):
+            return got
+        now = simulation.plant.body[5]
+        turned += math.remainder(now - yaw, math.tau)
+        yaw = now
+        if abs(turned) >= math.tau:
+            got.result = "round"
+            return got
+    got.result = "not round"
+    return got
+
+
+def circles(given: argparse.Namespace) -> None:
+    """Circles and turns on the spot, left and right, on each ground."""
+    for ground in GROUNDS:
+        came = {}
+        for radius in CIRCLE_RADII:
+            for degrees in range(-180, 180, CIRCLE_EVERY) if radius else (0,):
+                for sense in (1, -1):
+                    name = f"{radius:g} m {degrees}° {'left' if sense > 0 else 'right'}"
+                    seed = given.seed + degrees % 360
+                    simulation = on_ground(ground, seed, given.body)
+                    came[name] = circled(radius, degrees, sense, simulation)
+        _tell(f"circles, {ground}", came)
+
+
+def grounds(given: argparse.Namespace) -> None:
+    """Walks of 4 m over every kind of ground of docs/predictive.md."""
+    first = foresight.FIRST_SEED
+    for kind in foresight.GROUNDS:
+        came = {}
+        for seed in range(first, first + (given.count or GROUNDS_COUNT)):
+            ground = foresight.settings_for(kind, "predictive", seed)
+            more = (PHYSICS, f"gait.body={given.body}", *ground)
+            came[f"seed {seed}"] = walked("flat", more)
+        _tell(kind, came)
+
+
+def posed(name: str, ground: str, rng: np.random.Generator, body: str) -> Walked:
+    """From random feet to the standard posture."""
     machine = load_machine(name)
-    gait = gait_of(machine)
-    stance = random_stance(machine, gait, ground_of("level", machine, rng), rng)
+    relief = ROUGHNESS * machine.height
+    rough = f'terrain={{kind="rough", amplitude={relief:.4f}, length={max(0.2, 3 * relief):.3f}}}'
+    more = [
+        PHYSICS,
+        f"robot={name}",
+        f"planner={MACHINES[name]}",
+        f"gait.body={body}",
+        "expect={}",
+        rough if ground == "rough" else GROUNDS["level"],
+        f"seed={rng.integers(1_000_000)}",
+    ]
+    world = prepare(load_scenario("flat", more))
+    stance = random_stance(machine, gait_of(machine), world.belief, rng)
     yaw = stance.body[3]
     feet = [list(turned_back(x, y, yaw)) for x, y, _ in stance.feet]
-    more = (PHYSICS, f"robot={name}", f"gait.body={body}", f"start.feet={feet}", "expect={}")
-    simulation = scenario_of("flat", more)
+    start = f"start={{feet={feet}, yaw_deg={math.degrees(yaw)}}}"
+    simulation = Simulation(load_scenario("flat", [*more, start]))
     simulation.run(0.5)
     simulation.request(TakePosture("standard"))
     got = Walked()
     for _ in range(round(POSED / TICK)):
-        simulation.step()
-        got.tilt = max(got.tilt, math.degrees(tilt_against_plan(simulation)))
-        if simulation.plant.state == "fallen":
-            got.result = "fell"
+        if not stepped(simulation, got):
             return got
-        if simulation.refused:
-            got.reason = simulation.refused
-            break
-        if simulation.walk.stands and not simulation.walk.posing:
+        if simulation.refused or (simulation.walk.stands and not simulation.walk.posing):
             break
     taken = simulation.walk.stands and simulation.walk.posture == "standard"
-    got.result = "taken" if taken and not got.reason else "not taken"
-    got.met = sum(simulation.walk.contacts.counts.values())
+    got.reason = simulation.refused or got.reason
+    got.result = "taken" if taken and not simulation.refused else "not taken"
     return got
 
 
 def postures(given: argparse.Namespace) -> None:
-    """So many postures of titan3."""
-    rng = np.random.default_rng(given.seed)
+    """So many postures of each robot on each ground."""
     count = given.count or POSTURES_COUNT
-    _tell("postures, titan3", [posed("titan3", rng, given.body) for _ in range(count)])
+    for name in given.robots:
+        for ground in POSTURE_GROUNDS:
+            rng = np.random.default_rng(given.seed)
+            came = {str(k): posed(name, ground, rng, given.body) for k in range(count)}
+            _tell(f"postures, {name}, {ground}", came)
 
 
-def _tell(what: str, came: list[Walked]) -> None:
-    counts = Counter(got.result for got in came)
-    tilts = sorted(got.tilt for got in came)
+def _tell(what: str, came: dict[str, Walked]) -> None:
+    counts = Counter(got.result for got in came.values())
+    tilts = sorted(got.tilt for got in came.values())
+    met = sum(got.met for got in came.values())
     print(
         f"{what}: {len(came)} {dict(counts)}; tilt at most {tilts[-1]:.2f}°, in 95 of 100 "
-        f"{tilts[int(0.95 * (len(tilts) - 1))]:.2f}°, encounters {sum(got.met for got in came)}"
+        f"{tilts[int(0.95 * (len(tilts) - 1))]:.2f}°, encounters {met}",
+        flush=True,
     )
-    for k, got in enumerate(came):
-        if got.result in ("fell", "stuck", "not taken"):
-            print(f"    {k}: {got.result} {got.reason}", flush=True)
+    for name, got in came.items():
+        if got.result not in ("completed", "walks", "round", "taken"):
+            print(f"    {name}: {got.result} {got.reason}", flush=True)
+
+
+SWEEPS = {
+    "pushes": pushes,
+    "hands": hands,
+    "circles": circles,
+    "grounds": grounds,
+    "postures": postures,
+}
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
-    parser.add_argument("what", choices=["matrix", "pushes", "hands", "postures"])
+    parser.add_argument("what", choices=["matrix", *SWEEPS])
     parser.add_argument("--rows", nargs="+", default=list(ROWS), choices=list(ROWS))
     parser.add_argument("--walks", nargs="+", default=None, metavar="SCENARIO")
     parser.add_argument("--body", default="sway", choices=["sway", "straight"])
@@ -324,14 +419,17 @@ def main() -> None:
     parser.add_argument("--phases", type=int, default=12)
     parser.add_argument("--period", type=float, default=10.0, help="s the phases are spread over")
     parser.add_argument("--sag", type=float, default=0.005, help="m a leg gives, of pushes")
-    parser.add_argument("--count", type=int, default=None, help="hands or postures")
+    parser.add_argument(
+        "--count", type=int, default=None, help="hands, postures, seeds of a ground"
+    )
+    parser.add_argument("--robots", nargs="+", default=["titan3"], choices=list(MACHINES))
     parser.add_argument("--from", type=int, default=SEED, dest="seed")
     given = parser.parse_args()
     if given.what == "matrix":
         matrix(given.rows, given.walks or list(scenario_names()), given.body)
         return
     given.walks = given.walks or ["flat"]
-    {"pushes": pushes, "hands": hands, "postures": postures}[given.what](given)
+    SWEEPS[given.what](given)
 
 
 if __name__ == "__main__":

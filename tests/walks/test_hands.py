@@ -54,6 +54,15 @@ def test_a_stick_that_trembles_is_walked_like_one_that_rests(course):
     assert stood_too <= stood + 10 and not trembled.amiss
 
 
+@pytest.mark.parametrize("radius, degrees, sense", [(1.0, 30.0, -1), (2.0, 105.0, 1)])
+def test_on_a_circle_the_true_centre_keeps_the_margin_while_a_leg_is_up(radius, degrees, sense):
+    watched = Watched(console_on("flat", 52_000, "titan3", 0.8))
+    watched.order(Command(math.radians(degrees), 0.08, sense * 0.08 / radius))
+    for _ in range(40 * 50):
+        watched.step()
+    assert watched.seen.true_margin >= 0.018 and not watched.seen.amiss
+
+
 def test_a_stick_pushed_farther_and_farther_out_is_answered_meanwhile():
     """On an arc a thought takes several ticks: it must not begin anew with every speed the stick
     passes.

@@ -34,6 +34,20 @@ def test_on_level_ground_the_margin_and_the_acceleration_are_kept_at_every_tick(
     assert walk.summary["mean_speed"] >= (0.9 if angle == 90.0 else 0.97) * 0.08
 
 
+@pytest.mark.parametrize(("degrees", "course"), [(12.0, 0.0), (10.0, 45.0), (15.0, 270.0)])
+def test_a_body_that_leans_with_its_slope_keeps_both_too(tmp_path, degrees, course):
+    aslant = f'terrain={{kind="slope",angle_deg={degrees},heading_deg=90.0}}'
+    drive = f"drive=[{{t=0.0,crab_angle_deg={course},speed=0.08}}]"
+    walk = walked(tmp_path, "hillside", *SWAY, aslant, drive, "end={time=40.0}")
+    log = walk.log
+    assert np.abs(log["body"][-1, 3:5]).max() > 0.03 and walk.summary["distance"] > 1.5
+    margins = margins_of(log, load_machine(walk.summary["robot"]["name"]))
+    assert margins.min() >= 0.02
+    # it may stop for as long as it weighs how far to lean
+    assert over_allowed(walk).max() <= 1.0 and acceleration(log).max() <= STEEPEST * 1.001
+    assert touch_speeds(walk).max() <= 0.15
+
+
 @pytest.mark.parametrize("name", ["river", "holes"])
 def test_on_broken_ground_the_margin_is_kept_where_straight_it_is_millimetres(tmp_path, name):
     walk = walked(tmp_path, name, *SWAY)
@@ -45,6 +59,13 @@ def test_six_legs_keep_it_along_a_curve(tmp_path):
     walk = walked(tmp_path, "k-curve", *SWAY)
     assert walk.summary["result"] == "completed" and walk.summary["falls"] == 0
     assert min(step["planned_polygon_margin_min"] for step in walk.steps) >= 0.015
+
+
+@pytest.mark.parametrize("name", ["omni", "k-turn", "k-free-vs-rigid"])
+def test_courses_that_turn_keep_the_margin_until_every_foot_has_landed(tmp_path, name):
+    walk = walked(tmp_path, name, *SWAY, "gait.margin=0.02")
+    assert walk.summary["falls"] == 0
+    assert margins_of(walk.log, load_machine(walk.summary["robot"]["name"])).min() >= 0.018
 
 
 def test_a_trace_with_corners_is_walked_without_jerks(tmp_path):

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from walking_console.planner.control.load_schedule import body_frame_feet
 from walking_console.planner.control.tracking import TrajectoryTracker
 from walking_console.planner.crab.expected_supports import expected_supports
 from walking_console.planner.crab.gait import standard_stance
@@ -18,6 +19,7 @@ from walking_console.planner.motion.body_bounds import BRISK, bounds_of
 from walking_console.planner.motion.body_course import centre_over
 from walking_console.planner.motion.body_path import SupportPhase
 from walking_console.planner.motion.body_sway import swayed
+from walking_console.planner.motion.body_tilt import Lean
 from walking_console.planner.motion.step_builder import changed, holding_plan
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.stability import GRAVITY, polygon_margin, support_polygon
@@ -184,3 +186,62 @@ def test_a_shift_on_all_feet_sways_no_farther_to_the_next_support_than_the_legs_
     support = SupportPhase(0.5, 1.5, tuple(beside), *2 * (stance.body[:2],))
     swayed_to = swayed(shift, stance, (support,), GAIT, TITAN).end.sway[1]
     assert 0.005 <= swayed_to <= 0.015
+
+
+def leaning(
+    stance: Stance, decided: StepPlan, before: Lean, after: Lean
+) -> tuple[Stance, StepPlan]:
+    """The same on a slope along ``after``, under a body that leans over from ``before`` to it."""
+    feet = decided.feet.copy()
+    body = decided.body.copy()
+    for rows in (feet, body):
+        rows[..., 2] += after[0] * rows[..., 0] + after[1] * rows[..., 1]
+    x, y, z, yaw = stance.body
+    raised = (x, y, z + after[0] * x + after[1] * y, yaw)
+    stands = replace(stance, body=raised, feet=tuple(map(tuple, feet[0].tolist())), lean=before)
+    ends = tuple((a, b, c + after[0] * a + after[1] * b) for a, b, c in decided.end.feet)
+    end = replace(decided.end, body=tuple(body[-1].tolist()), feet=ends, lean=after)
+    return stands, changed(decided, body=body, feet=feet, end=end, lean=before)
+
+
+@pytest.mark.parametrize("before", [(0.1, 0.05), (0.09, 0.04)])
+@pytest.mark.parametrize("angle", [45, 90])
+def test_a_body_that_leans_sways_along_its_floor(angle, before):
+    after = (0.1, 0.05)
+    stance, decided, _ = walked(angle, 3)[-1]
+    stance, decided = leaning(stance, decided, before, after)
+    ahead = expected_supports(decided, Command(math.radians(angle), 0.08), TITAN, GAIT)
+    plan = swayed(decided, stance, ahead, GAIT, TITAN, decided.swing)
+    tracker = TrajectoryTracker(plan)
+    assert plan.end.place == pytest.approx(plan.body[-1].tolist())
+    assert np.hypot(*plan.end.sway) > 0.01 and plan.polygon_margin_min >= 0.02
+    for t in np.arange(0.0, tracker.duration, TICK).tolist():
+        x, y, z, _ = tracker.body_at(t)
+        # where the reference is then, its height is that of the floor it leans by
+        k = np.argmin(np.hypot(*(decided.body[:, :2] - (x, y)).T))
+        rx, ry, rz, _ = decided.body[k]
+        lean = tracker.lean_at(t)
+        floor = rz + after[0] * (x - rx) + after[1] * (y - ry)
+        assert z == pytest.approx(floor, abs=0.05 * math.dist(lean, after) + 1e-6)
+
+
+def test_the_legs_of_a_body_that_leans_reach_their_feet_and_keep_their_speed():
+    after = (0.03, -0.02)
+    stance, decided, level = walked(45, 3)[-1]
+    stance, decided = leaning(stance, decided, after, after)
+    plan = swayed(decided, stance, (), GAIT, TITAN, decided.swing)
+    tracker = TrajectoryTracker(plan)
+    before: list[tuple[float, ...]] | None = None
+    for t in np.arange(0.0, tracker.duration, TICK).tolist():
+        feet = body_frame_feet(tracker, t)
+        for leg, foot in enumerate(feet):
+            spec = TITAN.legs[leg]
+            for value, (low, high), over in zip(
+                foot[:2], (spec.x, spec.y), TITAN.overreach, strict=False
+            ):
+                assert leg in plan.swing or low - over <= value <= high + over
+        if before is not None:
+            moved = np.abs(np.array(feet) - before) / TICK
+            assert (moved <= np.array(TITAN.speed) * 1.01).all()
+        before = feet
+    assert tracker.duration < 1.5 * float(level.times[-1])
