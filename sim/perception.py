@@ -238,6 +238,7 @@ def _empty_mapper(world: World) -> ElevationMapper:
         final=ground.final,
         level=left_fold_sum(foot[2] for foot in feet) / len(feet),
         edge=ground.edge,
+        relief=bool(ground.relief),
     )
 
 

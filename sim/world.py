@@ -67,6 +67,7 @@ def prepare(
         ground.origin,
         machine.foot_radius,
         edge=ground.edge,
+        relief=ground.relief,
     )
     if scenario.sensing == "known":
         belief.work_out()

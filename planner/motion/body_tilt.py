@@ -233,6 +233,7 @@ def sheared(
         terrain.foot_radius,
         known,
         terrain.edge,
+        terrain.relief,
     )
 
 

@@ -1,7 +1,7 @@
 """What the walker believes about the ground: heights and forbidden cells on a square grid.
 
-Row index is y, column index is x; ``origin`` is the corner of cell [0, 0]; the ground is the height
-of the cell that contains the point. NaN is a hole without a bottom. Outside the map everything is
+Row index is y, column index is x; ``origin`` is the corner of cell [0, 0]; between cells the ground
+is flat or relief (``grid``). NaN is a hole without a bottom. Outside the map everything is
 forbidden. A map is frozen: what the walker learns makes a new one (``forbid``).
 """
 
@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..robot.model import Machine
-from .grid import HeightGrid, Window, crests_of, renew_crests
+from .grid import HeightGrid, Window, crests_of, is_relief, renew_crests
 from .traversability import classify
 
 # what is worked out of the heights alone: a map of the same heights need not do it again
@@ -49,6 +49,8 @@ class TerrainMap(HeightGrid):
     # (ny, nx) seen or touched; None: all of it (heights elsewhere are supposed)
     known: NDArray[np.bool_] | None = None
     edge: float = EDGE  # m a foothold keeps from the bottomless; 0: it may stand on its very edge
+    # straight between the centres of cells; None: as its heights are (``is_relief``)
+    relief: bool | None = None
 
     def __post_init__(self) -> None:
         shape = self.heights.shape
@@ -66,6 +68,8 @@ class TerrainMap(HeightGrid):
                 array = np.ascontiguousarray(given)
                 array.setflags(write=False)
                 object.__setattr__(self, name, array)
+        if self.relief is None:
+            object.__setattr__(self, "relief", is_relief(self.heights))
 
     @classmethod
     def from_heights(
@@ -112,7 +116,7 @@ class TerrainMap(HeightGrid):
         holes = self.holes_bytes
         if not holes or self.edge <= 0.0:
             return True
-        x0, y0, cell, rows, columns, _ = self._look_up
+        x0, y0, cell, rows, columns, _, _ = self._look_up
         edge = self.edge
         floor = math.floor
         left = floor((x - edge - x0) / cell)

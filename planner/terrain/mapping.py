@@ -49,6 +49,7 @@ class ElevationMapper:
         final: bool = False,
         level: float = 0.0,
         edge: float = EDGE,
+        relief: bool = False,
     ) -> None:
         if unknown not in TREATMENTS:
             raise ValueError(
@@ -74,6 +75,7 @@ class ElevationMapper:
             machine.foot_radius,
             self.known.copy(),
             edge,
+            relief,
         )
         self._working = WorkingMap(evidence, blank, machine, final, Prior(level))
         self._patches: list[Window] = []  # small, to be renewed before anything is published
@@ -134,8 +136,18 @@ class ElevationMapper:
             rows = rows[wanted]
             columns = columns[wanted]
             looks = np.full(rows.shape, LOOKS_MAX, dtype=np.uint8)
-            news = self._write(rows, columns, np.full(rows.shape, z), looks)
+            level = self._middle_of(at, (x, y, z))
+            news = self._write(rows, columns, np.full(rows.shape, level), looks)
             self._patch(rows[news].tolist(), columns[news].tolist())
+
+    def _middle_of(self, cell: tuple[int, int], foot: Point) -> float:
+        """Height of the middle of the cell a foot stands in, m: of relief that is known around it
+        not the foot's own.
+        """
+        x, y, z = foot
+        if not self.map.relief or not self.known[cell]:
+            return z
+        return z + float(self.map.heights[cell]) - self.map.height_at(x, y)
 
     def learn(self, cells: Iterable[tuple[int, int]]) -> None:
         """No foot may land here again: touch has shown it."""

@@ -37,7 +37,7 @@ def slope_under(stance: Stance, command: Command, terrain: TerrainMap, machine: 
     for px, py in _samples(machine, (x + ahead * ux, y + ahead * uy, yaw)):
         flat = terrain.index(px, py)
         if flat >= 0 and (known is None or known.flat[flat]):
-            points.append((px, py, terrain.height_view[flat]))
+            points.append((px, py, terrain.height_at(px, py)))
     return plane_of(points, len(stance.feet), _even(machine))
 
 

@@ -117,7 +117,7 @@ def body_heights(x: Array, y: Array, terrain: TerrainMap, machine: Machine, gait
         return np.full(len(x), terrain.highest + gait.height)
     length = machine.torso[0]
     grid = np.linspace(-length / 2, length / 2, LOOKS)
-    table = np.array([_ground(x + gx, y + gy, terrain) for gx in grid for gy in grid])
+    table = np.array([terrain.heights_at(x + gx, y + gy) for gx in grid for gy in grid])
     solid = np.isfinite(table)
     count = solid.sum(axis=0)
     total = np.where(solid, table, 0.0).sum(axis=0)
@@ -127,11 +127,3 @@ def body_heights(x: Array, y: Array, terrain: TerrainMap, machine: Machine, gait
         return np.full(len(x), gait.height)
     mean = np.interp(np.arange(len(x)), np.nonzero(known)[0], mean[known])
     return np.asarray(mean + gait.height)
-
-
-def _ground(x: Array, y: Array, terrain: TerrainMap) -> Array:
-    """Heights of the cells at x, y, or of the cells at the map's rim nearest to them."""
-    columns = np.floor((x - terrain.origin[0]) / terrain.cell).astype(int)
-    rows = np.floor((y - terrain.origin[1]) / terrain.cell).astype(int)
-    inside = rows.clip(0, terrain.rows - 1), columns.clip(0, terrain.columns - 1)
-    return np.asarray(terrain.heights[inside], dtype=np.float64)

@@ -251,8 +251,8 @@ def slope_at(ground: Ground, x: float, y: float, span: float) -> XY:
     if cell is None:
         return 0.0, 0.0
     d = ground.cell * max(1, round(span / ground.cell))
-    here = ground.height_at(x, y)
     x, y = ground.centre(*cell)
+    here = ground.height_at(x, y)
     along_x = _lesser(ground.height_at(x + d, y) - here, here - ground.height_at(x - d, y), d)
     return along_x, _lesser(ground.height_at(x, y + d) - here, here - ground.height_at(x, y - d), d)
 

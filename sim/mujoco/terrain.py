@@ -1,9 +1,8 @@
-"""The true ground as MuJoCo's shapes: boxes where it has few levels or holes, else a height field.
+"""The true ground as MuJoCo's shapes: a height field where it is relief, else boxes.
 
 Boxes are exact: cells of one height are merged into rectangles, a bottomless cell has nothing. A
-height field has a node at every cell's centre and is straight between them, so that it differs from
-the cells by up to slope · cell / 2 (2.9 mm at 13°, 25 mm cells); a hole in one is a pit that begins
-half a cell too early.
+height field is exact too: a node at every cell's centre and straight between them, in the triangles
+that ``Ground.height_at`` has. A hole dug in one is a pit that begins half a cell too early.
 """
 
 from __future__ import annotations
@@ -17,7 +16,6 @@ from numpy.typing import NDArray
 from ..terrain.ground import Ground
 from .library import mujoco
 
-LEVELS_MAX = 12  # different heights that are made of boxes; more is relief
 BOXES_MAX = 60_000  # a tick takes 1 ms for 8,000; more, see it take longer than it lasts
 THICK = 0.5  # m of a box below the lowest level
 PIT = 1.0  # m, depth of a hole in a height field
@@ -66,9 +64,8 @@ def add_ground(spec: Any, ground: Ground, contact: dict[str, Any]) -> None:
     solid = heights[~np.isnan(heights)]
     if solid.size == 0:
         return
-    stepped = np.unique(solid).size <= LEVELS_MAX or solid.size < heights.size
-    boxes = merged(heights) if stepped else []
-    if stepped and len(boxes) <= BOXES_MAX:
+    boxes = [] if ground.relief else merged(heights)
+    if boxes and len(boxes) <= BOXES_MAX:
         _add_boxes(spec, ground, boxes, float(solid.min()), contact)
     else:
         _add_field(spec, ground, float(solid.min()), contact)

@@ -1,10 +1,10 @@
 """The true terrain: heights on a square grid, the obstacles standing on it, and how one is made
 from a scenario's words.
 
-The ground is the height of the cell that contains the point, for simulation and log alike. Row
-index is y, column index is x; ``origin`` is the corner of cell [0, 0]; NaN is a hole without a
-bottom. Kinds and their parameters are in ``generators.py``, files and the elevation model in
-``files.py``, how large a map is made in ``extent.py``.
+Row index is y, column index is x; ``origin`` is the corner of cell [0, 0]; NaN is a hole without a
+bottom. Between cells it is flat or relief, for plants, planners and log alike: what it is when it
+is made it stays, whatever is edited. Kinds and their parameters are in ``generators.py``, files and
+the elevation model in ``files.py``, how large a map is made in ``extent.py``.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from walking_console.planner.geometry.paths import Box
 from walking_console.planner.geometry.transforms import XY, Pose
 from walking_console.planner.robot.model import Machine
-from walking_console.planner.terrain.grid import HeightGrid
+from walking_console.planner.terrain.grid import HeightGrid, is_relief
 from walking_console.planner.terrain.map import EDGE
 
 from .extent import CellRange, cells_for
@@ -59,6 +59,8 @@ class Ground(HeightGrid):
     obstacles: tuple[Obstacle, ...] = ()
     note: str = ""  # what was understood of a height file, one line
     edge: float = EDGE  # m a foothold keeps from the bottomless
+    # straight between the centres of cells; None: as its heights are (``is_relief``)
+    relief: bool | None = None
 
     def __post_init__(self) -> None:
         if self.heights.ndim != 2 or 0 in self.heights.shape:
@@ -68,6 +70,8 @@ class Ground(HeightGrid):
         array = np.array(self.heights, dtype=np.float64, order="C", copy=None if shared else True)
         array.setflags(write=False)
         object.__setattr__(self, "heights", array)
+        if self.relief is None:
+            object.__setattr__(self, "relief", is_relief(array))
 
     @cached_property
     def level(self) -> float | None:

@@ -110,11 +110,7 @@ class RecordedWalk:
 
     def height_at(self, x: Values, y: Values) -> Values:
         """True ground under points, m; NaN in holes. Beyond the map that of its edge."""
-        heights = self.ground.heights
-        x0, y0 = self.ground.origin
-        columns = np.floor((x - x0) / self.ground.cell).astype(int).clip(0, heights.shape[1] - 1)
-        rows = np.floor((y - y0) / self.ground.cell).astype(int).clip(0, heights.shape[0] - 1)
-        return np.asarray(heights[rows, columns], dtype=np.float64)
+        return self.ground.heights_at(x, y)
 
     def commands(self) -> list[tuple[int, float]]:
         """First row and crab angle of every commanded direction."""

@@ -8,6 +8,7 @@ import pytest
 from walking_console.planner.terrain.grid import (
     HeightGrid,
     grown,
+    is_relief,
     joined,
     placed_in,
     solid_heights,
@@ -19,10 +20,11 @@ from walking_console.planner.terrain.grid import (
 class Grid(HeightGrid):
     """A grid and nothing else."""
 
-    def __init__(self, heights: np.ndarray) -> None:
+    def __init__(self, heights: np.ndarray, relief: bool = False) -> None:
         self.heights = heights
         self.cell = 0.05
         self.origin = (-1.0, -0.5)
+        self.relief = relief
 
 
 GRID = Grid(np.arange(2400.0).reshape(40, 60))
@@ -39,6 +41,68 @@ def test_the_height_is_that_of_the_cell_that_contains_the_point():
         x, y = GRID.centre(row, column)
         assert GRID.height_at(x + 0.024, y - 0.024) == GRID.heights[row, column]
         assert GRID.index(x, y) == row * 60 + column
+
+
+def test_relief_goes_straight_from_centre_to_centre_in_triangles():
+    square = Grid(np.array([[0.0, 0.1, 0.0], [0.3, 0.2, 0.0], [0.0, 0.0, 0.0]]), relief=True)
+    x, y = square.centre(0, 0)
+    for ahead, aside, height in (
+        (0.0, 0.0, 0.0),
+        (0.5, 0.0, 0.05),
+        (0.0, 0.5, 0.15),
+        (0.5, 0.5, 0.1),  # on the side both triangles have, from the first corner to the last
+        (0.75, 0.25, 0.1),
+        (0.25, 0.75, 0.2),
+        (0.999, 0.999, 0.1998),
+    ):
+        got = square.height_at(x + ahead * 0.05, y + aside * 0.05)
+        assert got == pytest.approx(height), (ahead, aside)
+
+
+def test_relief_is_a_plane_where_its_cells_are():
+    rows, columns = np.indices((20, 30))
+    slope = Grid(0.01 * columns - 0.02 * rows, relief=True)
+    for x, y in np.random.default_rng(1).uniform((-0.97, -0.47), (0.47, 0.47), (200, 2)):
+        wanted = 0.2 * (x + 0.975) - 0.4 * (y + 0.475)
+        assert slope.height_at(x, y) == pytest.approx(wanted, abs=1e-12)
+
+
+def test_beside_a_hole_and_at_the_rim_relief_has_the_height_of_the_cell():
+    heights = np.random.default_rng(2).uniform(0.0, 0.3, (9, 11))
+    heights[4, 5] = np.nan
+    dug = Grid(heights, relief=True)
+    x, y = dug.centre(4, 4)
+    assert dug.height_at(x + 0.02, y) == heights[4, 4]
+    assert math.isnan(dug.height_at(*dug.centre(4, 5)))
+    assert dug.height_at(-1.0 + 0.001, -0.5 + 0.03) == heights[0, 0]
+    assert math.isnan(dug.height_at(-1.001, -0.4))
+
+
+@pytest.mark.parametrize("relief", [False, True])
+def test_many_points_are_as_high_as_each_of_them(relief):
+    heights = np.random.default_rng(3).uniform(0.0, 0.3, (9, 11))
+    heights[4, 5] = np.nan
+    grid = Grid(heights, relief)
+    x, y = np.random.default_rng(4).uniform((-1.0, -0.5), (-0.45, -0.05), (500, 2)).T
+    each = [grid.height_at(px, py) for px, py in zip(x.tolist(), y.tolist(), strict=True)]
+    assert np.array_equal(grid.heights_at(x, y), each, equal_nan=True)
+    beyond = grid.heights_at(np.array([9.0]), np.array([9.0]))
+    assert beyond == heights[8, 10]
+
+
+def test_samples_of_a_surface_are_relief_and_steps_walls_and_holes_are_cells():
+    rows, columns = np.indices((120, 160))
+    slope = 0.01 * columns
+    rough = np.random.default_rng(5).normal(0.0, 0.02, rows.shape)
+    assert is_relief(slope) and is_relief(slope.T) and is_relief(rough)
+    assert is_relief(np.where(columns < 80, 0.0, rough))  # half of it a plain
+    assert not is_relief(np.zeros(rows.shape))
+    assert not is_relief(0.15 * (columns // 8))  # twenty steps are still steps
+    blocks = np.repeat(np.repeat(rough[:12, :16], 10, axis=0), 10, axis=1)
+    assert np.unique(blocks).size > 100 and not is_relief(blocks)
+    assert not is_relief(np.where(columns % 3 == 0, 0.0, 0.1))  # two heights
+    rough[60, 80] = np.nan
+    assert not is_relief(rough)
 
 
 def test_outside_the_grid_there_is_no_cell_and_no_height():

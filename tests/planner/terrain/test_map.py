@@ -32,6 +32,22 @@ def test_forbidding_makes_a_new_map_and_leaves_the_old_one():
     assert other.forbidden.sum() == 1
 
 
+def test_relief_stays_relief_whatever_is_learnt_or_dug():
+    heights = np.random.default_rng(1).uniform(0.0, 0.02, (40, 60))
+    ground = TerrainMap.from_heights(heights, 0.05, MACHINE)
+    assert ground.relief and not level().relief
+    dug = heights.copy()
+    dug[3, 4] = np.nan
+    rows = slice(3, 4), slice(4, 5)
+    for other in (
+        ground.forbid([(3, 4)]),
+        ground.told([], {(3, 4): math.nan}),
+        changed_in(ground, rows, dug, ground.forbidden),
+    ):
+        assert other.relief
+        assert other.height_at(1.51, 1.01) == ground.height_at(1.51, 1.01)
+
+
 def test_no_foot_lands_within_a_centimetre_of_the_bottomless_unless_it_may():
     heights = np.zeros((20, 20))
     heights[10, 10] = np.nan

@@ -34,6 +34,19 @@ def hills(seed, shape=(80, 120)):
     return heights
 
 
+def test_on_relief_a_foot_tells_how_high_the_middle_of_its_cell_is():
+    slope = np.broadcast_to(0.4 * CELL * np.arange(120.0), (80, 120))
+    belief = blank(relief=True)
+    belief.observe(*everything(slope))
+    x, y = belief.map.centre(40, 60)
+    foot = x + 0.01, y + 0.005, belief.map.height_at(x + 0.01, y + 0.005) + 0.006
+    belief.touch([foot])
+    ground = belief.publish()
+    assert ground.relief
+    assert ground.heights[40, 60] == pytest.approx(slope[40, 60] + 0.006)
+    assert ground.height_at(*foot[:2]) == pytest.approx(foot[2], abs=0.004)
+
+
 # what is seen
 
 

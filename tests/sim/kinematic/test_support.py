@@ -11,6 +11,7 @@ from walking_console.sim.kinematic.support import slope_at
 def test_the_slope_under_a_foot_is_that_of_the_cells_around_it_and_a_riser_is_no_slope():
     ramp = shaped(lambda x, y: 0.3 * x - 0.1 * y)
     assert slope_at(ramp, 0.45, 0.475, 0.03) == pytest.approx((0.3, -0.1))
+    assert slope_at(ramp, 0.493, 0.461, 0.03) == pytest.approx((0.3, -0.1))
     step = shaped(lambda x, y: 0.2 if x > 0.5 else 0.0)
     assert slope_at(step, 0.48, 0.0, 0.03) == slope_at(step, 0.52, 0.0, 0.03) == (0.0, 0.0)
     assert slope_at(step, 50.0, 0.0, 0.03) == (0.0, 0.0)

@@ -15,6 +15,16 @@ def test_a_foot_stops_on_the_ground_of_its_cell():
     assert plant.soles[0]
 
 
+def test_on_a_slope_a_foot_comes_down_where_the_slope_is_between_the_middles_of_cells():
+    slope = shaped(lambda x, y: 0.2 * x)
+    for aside in (0.0, 0.012, 0.024):
+        plant = standing(ground=slope, up={0: 0.05}, x=-0.1, y=-0.1)
+        run(plant, one_leg(0, (aside / 0.02, 0.0, 0.0)), 1)
+        run(plant, one_leg(0, (0.0, 0.0, -0.5)), 10)
+        assert plant.soles[0]
+        assert plant.feet[0][2] == pytest.approx(0.2 * plant.feet[0][0], abs=1e-9)
+
+
 def test_a_riser_stops_a_foot_on_its_way_and_its_whiskers_say_where():
     plant = standing(
         ground=shaped(lambda x, y: 0.2 if x > 0.55 else 0.0), up={0: 0.1}, x=-0.1, y=-0.1

@@ -26,6 +26,15 @@ def test_a_walk_on_level_ground_is_true_when_its_legs_press_with_their_loads(lev
     assert verdict.tilt < 0.5
 
 
+def test_a_walk_on_a_slope_of_25_degrees_is_true_as_its_ground_is_the_same_for_all(tmp_path):
+    settings = ["end={time=20.0}", "expect={}", 'gait.body="sway"']
+    run_scenario(load_scenario("steep", settings), tmp_path)
+    recording = recording_of(tmp_path)[1]
+    verdict = Reenactment(recording, Physics(ServoSettings(sag=0.005)), press=True).play()
+    assert verdict.true
+    assert verdict.hang < 0.001 and verdict.tilt < 0.3
+
+
 def test_without_them_soft_legs_let_it_lean_and_hang(level_walk):
     pressed = Reenactment(level_walk, Physics(ServoSettings(sag=0.005)), press=True).play(600)
     open_loop = Reenactment(level_walk, Physics(ServoSettings(sag=0.005)), press=False).play(600)

@@ -56,6 +56,20 @@ def test_a_start_over_a_hole_is_refused_in_words() -> None:
         ground("river", at=0.4, width=0.3, stand=FEET)
 
 
+@pytest.mark.parametrize("kind", GENERATED)
+def test_slopes_and_rough_ground_are_relief_and_what_is_built_is_cells(kind: str) -> None:
+    made = ground(kind, seed=3)
+    assert made.relief == (kind in ("slope", "dem", "rough", "wave")), kind
+
+
+def test_relief_is_relief_after_an_edit_too() -> None:
+    before = ground("rough", seed=3)
+    dug = before.edited([(30, 40, math.nan)])
+    assert dug.relief and not ground("flat").edited([(30, 40, 0.1)]).relief
+    x, y = before.centre(50, 60)
+    assert dug.height_at(x + 0.01, y) == before.height_at(x + 0.01, y)
+
+
 def test_edited_ground_is_new_ground() -> None:
     before = ground("flat")
     after = before.edited([(3, 4, -0.2), (5, 6, math.nan)])
