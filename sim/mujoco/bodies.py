@@ -9,7 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from walking_console.planner.geometry.transforms import Matrix, Point, direction, turned_by
+from walking_console.planner.geometry.transforms import (
+    Matrix,
+    Point,
+    direction,
+    left_fold_sum,
+    turned_by,
+)
 from walking_console.planner.robot.kinematics import Joints, forward
 from walking_console.planner.robot.model import Machine
 from walking_console.planner.types import TICK
@@ -17,6 +23,7 @@ from walking_console.planner.types import TICK
 from ..terrain.ground import Ground
 from .library import mujoco
 from .model import Built, build
+from .near_ground import SHARE, NearGround, lay, shares
 from .settings import Physics
 
 _Floats = NDArray[np.float64]
@@ -31,12 +38,51 @@ class Bodies:
     def __init__(self, machine: Machine, ground: Ground, physics: Physics) -> None:
         self.machine = machine
         self.physics = physics
-        self.built: Built = build(machine, ground, physics)
-        self.data: Any = mujoco.MjData(self.built.model)
+        self._put_on(ground)
+        self._compile(SHARE)
         self.steps = round(TICK / physics.step)
         self.push_ticks = 0
         if abs(self.steps * physics.step - TICK) > 1e-12:
             raise ValueError(f"a tick of {TICK:g} s must be whole steps, got {physics.step!r}")
+
+    def _put_on(self, ground: Ground) -> None:
+        """This ground from now on; its boxes are still to be laid."""
+        self.ground = ground
+        self.near = None
+        if not ground.relief:
+            reach = math.hypot(*self.machine.torso) / 2
+            self.near = NearGround(ground, self.physics.tip, reach)
+        self._laid: list[int] | None = None
+
+    def _compile(self, pool: int) -> None:
+        self.built: Built = build(self.machine, self.ground, self.physics, pool)
+        self.data: Any = mujoco.MjData(self.built.model)
+        self._feet = list(self.built.feet)
+
+    def _bring_ground(self) -> None:
+        """Lay the boxes that are near feet and torso where they are now."""
+        near = self.near
+        if near is None:
+            return
+        mujoco.mj_kinematics(self.built.model, self.data)
+        feet = self.data.geom_xpos[self._feet].tolist()
+        numbers = near.numbers(feet, self._under_torso())
+        if numbers == self._laid:
+            return
+        if len(numbers) > self.built.pool:
+            state = self.state()
+            self._compile(shares(len(numbers)))
+            self._set(state)
+            mujoco.mj_kinematics(self.built.model, self.data)
+        lay(self.built.model, self.built.pool, near, numbers)
+        self._laid = numbers
+
+    def _under_torso(self) -> Point:
+        """The middle of the torso seen from above, and its lowest point, m."""
+        x, y, z = self.place_of_torso()
+        down = self.attitude()[2]
+        sides = zip(down, self.machine.torso, strict=True)
+        return x, y, z - left_fold_sum(abs(share) * side for share, side in sides) / 2
 
     def place(self, body: Sequence[float], joints: Sequence[Joints]) -> None:
         """Put the machine at x, y, z, yaw with these joints, at rest."""
@@ -45,6 +91,7 @@ class Bodies:
         self.data.qpos[:FREE_PLACES] = (x, y, z, c, 0.0, 0.0, s)
         self.data.qpos[FREE_PLACES:] = [value for leg in joints for value in leg]
         self.data.qvel[:] = 0.0
+        self._bring_ground()
         mujoco.mj_forward(self.built.model, self.data)
 
     def set_leg(self, leg: int, joints: Joints) -> None:
@@ -61,8 +108,10 @@ class Bodies:
     def rebuild(self, ground: Ground) -> None:
         """Other ground, the same machine in the same motion."""
         state = self.state()
-        self.built = build(self.machine, ground, self.physics)
-        self.data = mujoco.MjData(self.built.model)
+        kept = self.near is not None and not ground.relief  # boxes are only laid elsewhere
+        self._put_on(ground)
+        if not kept:
+            self._compile(SHARE)
         self.restore(state)
 
     def state(self) -> _Floats:
@@ -74,12 +123,16 @@ class Bodies:
 
     def restore(self, state: _Floats) -> None:
         """Go on from a ``state``."""
-        kind = mujoco.mjtState.mjSTATE_INTEGRATION
-        size = mujoco.mj_stateSize(self.built.model, kind)
+        size = mujoco.mj_stateSize(self.built.model, mujoco.mjtState.mjSTATE_INTEGRATION)
         if len(state) != size:
             raise ValueError(f"a state of this machine has {size} numbers, got {len(state)}")
-        mujoco.mj_setState(self.built.model, self.data, np.asarray(state, np.float64), kind)
+        self._set(state)
+        self._bring_ground()
         mujoco.mj_forward(self.built.model, self.data)
+
+    def _set(self, state: _Floats) -> None:
+        kind = mujoco.mjtState.mjSTATE_INTEGRATION
+        mujoco.mj_setState(self.built.model, self.data, np.asarray(state, np.float64), kind)
 
     def push(self, fx: float, fy: float, ticks: int) -> None:
         """A horizontal force on the torso, N, for so many ticks."""
@@ -90,6 +143,7 @@ class Bodies:
         """One tick: the servos' targets go evenly from ``start`` to ``end`` while the drives press
         with ``pressing`` on top, all (3n,). Answers each foot's mean load, N.
         """
+        self._bring_ground()
         built = self.built
         data = self.data
         step = mujoco.mj_step

@@ -48,10 +48,11 @@ class Built:
     feet: dict[int, int]  # geom of each foot: its leg
     stiffness: _Floats  # (3n,)
     damping: _Floats
+    pool: int  # shapes that become boxes of the ground; they are the first
 
 
-def build(machine: Machine, ground: Ground, physics: Physics) -> Built:
-    """The model of a machine on its ground."""
+def build(machine: Machine, ground: Ground, physics: Physics, pool: int = 0) -> Built:
+    """The model of a machine on its ground, which is a ``pool`` of shapes where it is no relief."""
     spec = mujoco.MjSpec()
     _set_options(spec, physics)
     friction = machine.friction if physics.friction is None else physics.friction
@@ -60,7 +61,7 @@ def build(machine: Machine, ground: Ground, physics: Physics) -> Built:
         "condim": 3,
         "solref": [physics.contact_time, 1.0],
     }
-    add_ground(spec, ground, {**surface, "contype": GROUND, "conaffinity": 0})
+    add_ground(spec, ground, pool, {**surface, "contype": GROUND, "conaffinity": 0})
     touching = {**surface, "contype": 0, "conaffinity": MACHINE, "mass": 0.0}
     drives = [leg_drive(machine, leg, physics) for leg in range(len(machine.legs))]
     torso = _add_torso(spec, machine, physics, touching)
@@ -74,6 +75,7 @@ def build(machine: Machine, ground: Ground, physics: Physics) -> Built:
         {model.geom(f"foot {leg}").id: leg for leg in range(len(drives))},
         np.array([part for drive in drives for part in drive.stiffness]),
         np.array([part for drive in drives for part in drive.damping]),
+        0 if ground.relief else pool,
     )
 
 

@@ -1,8 +1,9 @@
 """The true ground as MuJoCo's shapes: a height field where it is relief, else boxes.
 
-Boxes are exact: cells of one height are merged into rectangles, a bottomless cell has nothing. A
-height field is exact too: a node at every cell's centre and straight between them, in the triangles
-that ``Ground.height_at`` has. A hole dug in one is a pit that begins half a cell too early.
+Boxes are exact: cells of one height are merged into rectangles, a bottomless cell has nothing; a
+model holds those that are near (``near_ground``). A height field is exact too: a node at every
+cell's centre and straight between them, in the triangles that ``Ground.height_at`` has. A hole dug
+in one is a pit that begins half a cell too early.
 """
 
 from __future__ import annotations
@@ -16,9 +17,9 @@ from numpy.typing import NDArray
 from ..terrain.ground import Ground
 from .library import mujoco
 
-BOXES_MAX = 60_000  # a tick takes 1 ms for 8,000; more, see it take longer than it lasts
 THICK = 0.5  # m of a box below the lowest level
 PIT = 1.0  # m, depth of a hole in a height field
+AWAY = 1e4  # m below, where a shape of a pool is before it is a box
 GROUND = 1  # contact bit
 
 
@@ -58,38 +59,21 @@ def _runs(row: NDArray[np.float64]) -> Iterator[tuple[int, int, float]]:
             yield c0, c1, float(row[c0])
 
 
-def add_ground(spec: Any, ground: Ground, contact: dict[str, Any]) -> None:
-    """Put the ground into a model; ``contact`` is what its surface is like."""
-    heights = ground.heights
-    solid = heights[~np.isnan(heights)]
-    if solid.size == 0:
+def add_ground(spec: Any, ground: Ground, pool: int, contact: dict[str, Any]) -> None:
+    """Put the ground into a model: its field, or a ``pool`` of so many shapes that are no boxes of
+    it yet (``near_ground``). ``contact`` is what its surface is like.
+    """
+    if ground.relief:
+        _add_field(spec, ground, contact)
         return
-    boxes = [] if ground.relief else merged(heights)
-    if boxes and len(boxes) <= BOXES_MAX:
-        _add_boxes(spec, ground, boxes, float(solid.min()), contact)
-    else:
-        _add_field(spec, ground, float(solid.min()), contact)
+    spec.option.disableflags |= mujoco.mjtDisableBit.mjDSBL_MIDPHASE  # shapes are moved about
+    away = {"pos": [0.0, 0.0, -AWAY], "size": [0.1, 0.1, 0.1]}
+    for _ in range(pool):
+        spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, **away, **contact)
 
 
-def _add_boxes(
-    spec: Any, ground: Ground, boxes: list[MergedCells], low: float, contact: dict[str, Any]
-) -> None:
-    x, y = ground.origin
-    bottom = low - THICK
-    for box in boxes:
-        width = (box.c1 - box.c0) * ground.cell
-        depth = (box.r1 - box.r0) * ground.cell
-        tall = box.height - bottom
-        middle = [
-            x + box.c0 * ground.cell + width / 2,
-            y + box.r0 * ground.cell + depth / 2,
-            bottom + tall / 2,
-        ]
-        size = [width / 2, depth / 2, tall / 2]
-        spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, pos=middle, size=size, **contact)
-
-
-def _add_field(spec: Any, ground: Ground, low: float, contact: dict[str, Any]) -> None:
+def _add_field(spec: Any, ground: Ground, contact: dict[str, Any]) -> None:
+    low = np.fmin.reduce(ground.heights, axis=None)
     heights = np.where(np.isnan(ground.heights), low - PIT, ground.heights)
     base = float(heights.min())
     tall = max(float(heights.max()) - base, 1e-3)
