@@ -258,17 +258,18 @@ class Costmap:
         share of ground seen.
         """
         solid = self.allowed & ~np.isnan(self.heights)
-        footholds = Sums(self.allowed.astype(np.float64))
-        ground = Sums(np.where(solid, self.heights, 0.0))
-        weight = Sums(solid.astype(np.float64))
-        known = None if self.all_known else Sums(self.known.astype(np.float64))
+        windows = [self._window(box) for box in self.boxes]
+        reach = max(abs(side) for window in windows for side in window)
+        footholds = Sums(self.allowed, reach)
+        ground = Sums(np.where(solid, self.heights, 0.0), reach)
+        weight = Sums(solid, reach)
+        known = None if self.all_known else Sums(self.known, reach)
         verdict = np.zeros(self.allowed.shape, dtype=np.uint8)
         density = np.full(verdict.shape, np.inf)
         seen = np.ones(verdict.shape)
         low, high = np.full(verdict.shape, np.inf), np.full(verdict.shape, -np.inf)
         walls = self._walls(solid)
-        for leg, box in enumerate(self.boxes):
-            window = self._window(box)
+        for leg, window in enumerate(windows):
             area = (window[1] - window[0]) * (window[3] - window[2])
             count = footholds.of(window)
             np.minimum(density, count / area, out=density)
@@ -319,8 +320,9 @@ class Costmap:
         depth, width = (
             ((x1, x2, 0, 1), (0, 1, y1, y2)) if along_x else ((0, 1, y1, y2), (x1, x2, 0, 1))
         )
-        covered = Sums(walls.astype(np.float64)).of(depth) > 0.5
-        share = Sums(covered.astype(np.float64)).of(width) / ((y2 - y1) if along_x else (x2 - x1))
+        reach = max(abs(side) for side in window)
+        covered = Sums(walls, reach).of(depth) > 0.5
+        share = Sums(covered, reach).of(width) / ((y2 - y1) if along_x else (x2 - x1))
         return np.asarray(share >= BARRED)
 
     def _touches(self, highest_body: Array) -> Cover:
@@ -415,20 +417,29 @@ class Costmap:
 
 
 class Sums:
-    """Sums over rectangles of a grid around every point of it; what lies outside counts as 0."""
+    """Sums over rectangles of a grid around every point of it, which reach ``reach`` points from it
+    at most; what lies outside counts as 0.
+    """
 
-    def __init__(self, values: Array) -> None:
-        self.shape = values.shape
-        self.summed = np.zeros((values.shape[0] + 1, values.shape[1] + 1))
-        values.cumsum(axis=0).cumsum(axis=1, out=self.summed[1:, 1:])
+    def __init__(self, values: Array | Cover, reach: int) -> None:
+        rows, columns = values.shape
+        self.shape = rows, columns
+        self.reach = reach
+        self.summed = np.zeros((rows + 1 + 2 * reach, columns + 1 + 2 * reach))
+        end_row, end_column = reach + 1 + rows, reach + 1 + columns
+        inner = self.summed[reach + 1 : end_row, reach + 1 : end_column]
+        values.cumsum(axis=0, dtype=np.float64).cumsum(axis=1, out=inner)
+        self.summed[reach + 1 : end_row, end_column:] = inner[:, -1:]
+        self.summed[end_row:] = self.summed[end_row - 1]
 
     def of(self, window: tuple[int, int, int, int]) -> Array:
         """Sum over columns x1..x2-1 and rows y1..y2-1 from each point."""
-        x1, x2, y1, y2 = window
-        rows, columns = np.arange(self.shape[0]), np.arange(self.shape[1])
-        low, high = (np.clip(rows + v, 0, self.shape[0]) for v in (y1, y2))
-        left, right = (np.clip(columns + v, 0, self.shape[1]) for v in (x1, x2))
-        above, below = self.summed[high], self.summed[low]
+        x1, x2, y1, y2 = (side + self.reach for side in window)
+        rows, columns = self.shape
+        above = self.summed[y2 : y2 + rows]
+        below = self.summed[y1 : y1 + rows]
+        left = slice(x1, x1 + columns)
+        right = slice(x2, x2 + columns)
         return np.asarray(above[:, right] - above[:, left] - below[:, right] + below[:, left])
 
 

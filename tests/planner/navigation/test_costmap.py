@@ -84,7 +84,7 @@ def test_stretched_legs_reach_farther_on_every_side():
 
 def test_sums_over_rectangles_are_those_added_up_one_by_one():
     values = np.random.default_rng(3).random((7, 9))
-    sums = Sums(values).of((-1, 3, 0, 2))
+    sums = Sums(values, 3).of((-1, 3, 0, 2))
     for row in range(7):
         for column in range(9):
             window = values[row : row + 2, max(0, column - 1) : column + 3]
