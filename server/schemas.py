@@ -221,7 +221,7 @@ class RectangleArea(Shape):
 
 class TerrainBody(Shape):
     """Change ground under a circle, a rectangle (from its lowest corner), or cells by [row,
-    column].
+    column] of the whole map.
     """
 
     model_config = example(

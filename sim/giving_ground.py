@@ -7,13 +7,14 @@ its load.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from walking_console.planner.protocols import Plant
 from walking_console.planner.robot.model import Machine
 from walking_console.planner.stability import GRAVITY
+from walking_console.planner.terrain.grid import Window
 
 from .terrain.generators import LoosePatch
 from .terrain.ground import Ground
@@ -34,7 +35,9 @@ class GivingGround:
         if not broken:
             return ground
         self.holding = tuple(patch for patch in self.holding if patch not in broken)
-        return ground.edited(cell for patch in broken for cell in _sunk(patch, ground))
+        for patch in broken:
+            ground = ground.lowered(_cells_of(patch, ground), patch.sinks)
+        return ground
 
     def _loads(self, plant: Plant[Ground]) -> Sequence[float]:
         """What every foot presses with, N: an even share where the plant does not say."""
@@ -54,12 +57,12 @@ def _is_overloaded(patch: LoosePatch, feet: Sequence[tuple[Sequence[float], floa
     )
 
 
-def _sunk(patch: LoosePatch, ground: Ground) -> Iterator[tuple[int, int, float]]:
-    """Row, column and new height, m, of every cell whose centre lies in a patch."""
-    x = ground.origin[0] + (np.arange(ground.columns) + 0.5) * ground.cell
-    y = ground.origin[1] + (np.arange(ground.rows) + 0.5) * ground.cell
-    columns = np.nonzero((x >= patch.x[0]) & (x <= patch.x[1]))[0].tolist()
-    rows = np.nonzero((y >= patch.y[0]) & (y <= patch.y[1]))[0].tolist()
-    for row in rows:
-        for column in columns:
-            yield row, column, float(ground.heights[row, column]) - patch.sinks
+def _cells_of(patch: LoosePatch, ground: Ground) -> Window:
+    """The cells of the whole map whose centres lie in a patch."""
+    (x, y), (rows, columns) = ground.whole_origin, ground.whole_shape
+    sides = []
+    for (low, high), corner, count in ((patch.y, y, rows), (patch.x, x, columns)):
+        centres = corner + (np.arange(count) + 0.5) * ground.cell
+        first = np.searchsorted(centres, low, side="left")
+        sides.append(slice(int(first), int(np.searchsorted(centres, high, side="right"))))
+    return sides[0], sides[1]

@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Generator, Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,9 +19,9 @@ from walking_console.planner.control.supervisor import GaitSupervisor
 from walking_console.planner.control.touch_memory import Felt
 from walking_console.planner.geometry.transforms import left_fold_sum
 from walking_console.planner.protocols import Plant
-from walking_console.planner.terrain.grid import around_cells
+from walking_console.planner.terrain.grid import Window, around_cells
 from walking_console.planner.terrain.map import TerrainMap, changed_in
-from walking_console.planner.terrain.mapping import ElevationMapper
+from walking_console.planner.terrain.mapping import ElevationMapper, Index
 from walking_console.planner.terrain.traversability import classify_again
 from walking_console.planner.types import Command, Sensing
 
@@ -30,6 +29,7 @@ from .giving_ground import GivingGround
 from .range_sensor import RangeSensor, Scan
 from .requests import Edit, edited, rows_and_columns
 from .snapshot import TerrainView
+from .surroundings import Seen, Surroundings, window_on
 from .terrain.ground import Ground
 from .world import World, true_forbidden
 
@@ -54,6 +54,7 @@ class Perception:
         self.loose = GivingGround(world.scenario.terrain.gives_way, world.machine)
         self.belief = world.belief
         self.true_forbidden = world.forbidden
+        self.wide = world.surroundings()
         # cells an operator has forbidden, whatever their height
         self._marked = np.zeros_like(world.forbidden)
         self.revision = revision
@@ -135,6 +136,37 @@ class Perception:
         """True when nothing of a scan of the range sensor is left to be looked at."""
         return self._scan is None
 
+    def keep_up(self, plant: Plant[Ground], supervisor: GaitSupervisor) -> None:
+        """A tick on a wide map: what the machine comes near is worked out, and when it has come far
+        enough ground and belief go along with it.
+        """
+        # what feet have felt is told by the cells of the window they felt it in
+        if self.wide is None or supervisor.contacts.has_news:
+            return
+        x, y = plant.body[:2]
+        window = self.wide.next_window(x, y)
+        if window is None or not self.scan_is_over:
+            return
+        self._go_on_to(window, self.wide)
+        plant.replace_ground(self.ground)
+
+    def _go_on_to(self, window: Window, wide: Surroundings) -> None:
+        """Ground, belief and whatever has a value a cell, in another window of a wide map."""
+        before, truth = self.ground, self.true_forbidden
+        self.ground, forbidden, crests = window_on(wide.tiles, before, window)
+        self._marked = wide.marks(window, self._marked)
+        self.true_forbidden = forbidden | self._marked
+        if self.range_sensor is not None:
+            self.range_sensor.replace_ground(self.ground)
+        if self.mapper is None:
+            seen = Seen(self.ground, self.true_forbidden, crests)
+            belief = wide.belief_in(seen, before, truth, self.belief)
+        else:
+            wide.move_map(self.mapper, window)
+            belief = self.mapper.publish_worked()
+        wide.go_on_to(window)
+        self._believe(belief.work_out())
+
     def learn(self, felt: Felt) -> None:
         """Cells (row, column) a foot has found to be no ground are forbidden from now on; what it
         has felt beside it stands at least so high.
@@ -154,7 +186,12 @@ class Perception:
         if ground is self.ground:
             return
         self.ground = ground
-        self.true_forbidden = true_forbidden(ground, self.world.machine) | self._marked
+        if self.wide is None or ground.whole is None:
+            forbidden = true_forbidden(ground, self.world.machine)
+        else:
+            self.wide.truth_changed(ground.whole)
+            _, forbidden, _ = self.wide.tiles.over(ground.cells)
+        self.true_forbidden = forbidden | self._marked
         if self.range_sensor is not None:
             self.range_sensor.replace_ground(ground)
         self._view = None
@@ -167,19 +204,20 @@ class Perception:
         A machine that maps for itself is told only what is forbidden or cleared.
         """
         before = self.ground.heights
-        heights = edited(before, edit)
-        rows, columns = rows_and_columns(edit)
+        truth = self.true_forbidden
+        self.ground = edited(self.ground, edit)
+        rows, columns = self._in_window(edit)
         if edit.action in ("forbid", "clear"):
             self._marked = self._marked.copy()
             self._marked[rows, columns] = edit.action == "forbid"
-        self.ground = replace(self.ground, heights=heights)
-        self.true_forbidden = self._forbidden_after(edit) | self._marked
+        self.true_forbidden = self._forbidden_after(edit, rows, columns) | self._marked
         if self.mapper is not None:
-            self._hear_of(edit, self.mapper)
+            self._hear_of(edit, self.mapper, rows, columns)
             return
-        if not edit.cells:
+        if not rows.size:
             return
-        learnt = self.belief.forbidden & ~self.world.forbidden
+        heights = self.ground.heights
+        learnt = self.belief.forbidden & ~truth
         learnt[rows, columns] = False
         # what feet have felt elsewhere stays
         believed = heights if self.belief.heights is before else self.belief.heights
@@ -191,23 +229,45 @@ class Perception:
         window = around_cells(rows, columns)
         self._believe(changed_in(self.belief, window, believed, forbidden))
 
-    def _forbidden_after(self, edit: Edit) -> NDArray[np.bool_]:
+    def _in_window(self, edit: Edit) -> tuple[Index, Index]:
+        """The cells of an edit as the ground at hand numbers them; those of a wide map that it does
+        not hold are changed beyond it.
+        """
+        rows, columns = rows_and_columns(edit)
+        if self.wide is None or not rows.size:
+            return rows, columns
+        ground = self.ground
+        self._view = None
+        self.revision += 1
+        if ground.whole is not None:
+            self.wide.truth_changed(ground.whole)
+        at_row, at_column = rows - ground.corner[0], columns - ground.corner[1]
+        here = (at_row >= 0) & (at_row < ground.rows)
+        here &= (at_column >= 0) & (at_column < ground.columns)
+        self.wide.change_beyond(
+            rows[~here], columns[~here], edit.action, maps=self.mapper is not None
+        )
+        return at_row[here], at_column[here]
+
+    def _forbidden_after(self, edit: Edit, rows: Index, columns: Index) -> NDArray[np.bool_]:
         heights = self.ground.heights
         if self.ground.final:
             return np.isnan(heights)
-        if not edit.cells or edit.action == "forbid":
+        if not rows.size or edit.action == "forbid":
             return self.true_forbidden
         machine = self.world.machine
-        return classify_again(heights, self.true_forbidden, self.ground.cell, machine, edit.cells)
+        cells = list(zip(rows.tolist(), columns.tolist(), strict=True))
+        return classify_again(heights, self.true_forbidden, self.ground.cell, machine, cells)
 
-    def _hear_of(self, edit: Edit, mapper: ElevationMapper) -> None:
+    def _hear_of(self, edit: Edit, mapper: ElevationMapper, rows: Index, columns: Index) -> None:
         """The world has changed behind its back; only what is forbidden or cleared is told."""
         if self.range_sensor is not None:
             self.range_sensor.replace_ground(self.ground)
+        cells = zip(rows.tolist(), columns.tolist(), strict=True)
         if edit.action == "forbid":
-            mapper.learn(edit.cells)
+            mapper.learn(cells)
         elif edit.action == "clear":
-            mapper.forget(edit.cells)
+            mapper.forget(cells)
         self._believe(mapper.publish_worked().work_out())
 
     def _believe(self, belief: TerrainMap) -> None:
@@ -219,8 +279,15 @@ class Perception:
         """The ground as viewers draw it; a new revision only when something changed."""
         if self._view is None:
             belief = self.belief
+            ground = self.ground
             self._view = TerrainView(
-                self.revision, self.ground.heights, belief.forbidden, belief.cell, belief.origin
+                self.revision,
+                ground.heights,
+                belief.forbidden,
+                belief.cell,
+                belief.origin,
+                ground.corner,
+                ground.whole,
             )
         return self._view
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from walking_console.planner.types import POSTURES, Array, Command
 
-from .terrain.ground import HEIGHT_MAX
+from .terrain.ground import HEIGHT_MAX, Ground
 from .world import World
 
 EDITS = ("dig", "raise", "forbid", "clear")
@@ -47,7 +47,7 @@ class Edit:
     """
 
     action: str  # dig | raise | forbid | clear
-    cells: tuple[tuple[int, int], ...]  # (row, column)
+    cells: tuple[tuple[int, int], ...]  # (row, column), of a wide map those of the whole
     amount: float = 0.0  # m
 
 
@@ -87,33 +87,35 @@ class Follow:
 Request = Reset | Load | Edit | Push | TakePosture | Halt | Follow
 
 
-def edited(heights: Array, edit: Edit) -> Array:
-    """Array (ny, nx) after an edit, write-protected; the same one where no height changes. Raises
-    ``ValueError`` before anything has changed.
+def edited(ground: Ground, edit: Edit) -> Ground:
+    """The ground after an edit; the same one where no height changes. Raises ``ValueError`` before
+    anything has changed.
     """
     if edit.action not in EDITS:
         raise ValueError(f"unknown terrain edit {edit.action!r}; there are: {', '.join(EDITS)}")
     if len(edit.cells) > EDIT_CELLS_MAX:
         raise ValueError(f"an edit changes at most {EDIT_CELLS_MAX} cells, got {len(edit.cells)}")
     rows, columns = rows_and_columns(edit)
-    ny, nx = heights.shape
+    ny, nx = ground.whole_shape
     inside = (rows >= 0) & (rows < ny) & (columns >= 0) & (columns < nx)
     if not inside.all():
         raise ValueError(f"cells must be within {ny} rows and {nx} columns")
     if edit.action == "forbid" or not edit.cells:
-        return heights
-    heights = heights.copy()
+        return ground
+    heights = _edited(ground.heights_of(rows, columns), edit)
+    return ground.with_heights(rows, columns, heights)
+
+
+def _edited(heights: Array, edit: Edit) -> Array:
+    """Heights of the cells of an edit after it."""
     if edit.action == "dig":
-        heights[rows, columns] = np.nan
-    elif edit.action == "raise":
-        heights[rows, columns] += edit.amount
-        if np.nanmax(np.abs(heights[rows, columns]), initial=0.0) > HEIGHT_MAX:
-            raise ValueError(f"heights must be within {HEIGHT_MAX:g} m of 0")
-    elif edit.action == "clear":
-        now = heights[rows, columns]
-        heights[rows, columns] = np.where(np.isnan(now), 0.0, now)
-    heights.setflags(write=False)
-    return heights
+        return np.full(heights.shape, np.nan)
+    if edit.action == "clear":
+        return np.where(np.isnan(heights), 0.0, heights)
+    raised = heights + edit.amount
+    if np.nanmax(np.abs(raised), initial=0.0) > HEIGHT_MAX:
+        raise ValueError(f"heights must be within {HEIGHT_MAX:g} m of 0")
+    return raised
 
 
 def rows_and_columns(edit: Edit) -> tuple[NDArray[np.intp], NDArray[np.intp]]:

@@ -86,8 +86,7 @@ class Simulation:
         self._mailbox: tuple[Command, int | None] = (HOLD, None)  # and the tick it lapses at
         self.tick_count = 0
         self.distance = 0.0
-        # the absolute direction distance is counted in, and its cosine and sine
-        self._course: tuple[float, XY] = (0.0, direction(0.0))
+        self._course: tuple[float, XY] = (0.0, direction(0.0))  # absolute, and its cosine, sine
         self.velocity = (0.0, 0.0)  # of the body in the last tick, absolute, m/s
 
     def _supervisor(self, world: World) -> GaitSupervisor:
@@ -176,6 +175,7 @@ class Simulation:
             perception.learn(walk.contacts.take_felt())
         if perception.mapper is not None:
             perception.perceive(sensing, walk, plant.body, self.command, self.tick_count)
+        perception.keep_up(plant, walk)
         self.tick_count += 1
 
     def _newest_command(self) -> Command:

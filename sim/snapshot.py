@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, Any
+from typing import Annotated, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,10 +61,25 @@ POSTURE_MEANING = "in it, or being taken to it: stand, sit or standard"
 ATTITUDE_MEANING = "of the body: level, or ground when it is to follow it"
 
 
+class WholeMap(Protocol):
+    """A wide map, as far as viewers may ask it."""
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns."""
+
+    @property
+    def origin(self) -> tuple[float, float]:
+        """x, y of the corner of cell [0, 0], m."""
+
+    def read(self, rows: slice, columns: slice) -> NDArray[np.float64]:
+        """True heights of rows and columns, m; every so many where the slices have a step."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class TerrainView:
     """The ground as viewers draw it. A new ``revision`` means: draw it again. NaN height is a
-    bottomless hole.
+    bottomless hole. Of a wide map it is a window about the machine.
     """
 
     revision: int
@@ -72,6 +87,20 @@ class TerrainView:
     forbidden: NDArray[np.bool_]  # (ny, nx) what the machine believes it must not step on
     cell: float  # m
     origin: tuple[float, float]  # m, corner of cell [0, 0]
+    # where cell [0, 0] is in the whole map, and that map where this is a window of a wide one
+    corner: tuple[int, int] = (0, 0)
+    whole: WholeMap | None = None
+
+    @property
+    def whole_shape(self) -> tuple[int, int]:
+        """Rows and columns of the whole map."""
+        rows, columns = self.heights.shape
+        return (rows, columns) if self.whole is None else self.whole.shape
+
+    @property
+    def whole_origin(self) -> tuple[float, float]:
+        """x, y of the corner of cell [0, 0] of the whole map, m."""
+        return self.origin if self.whole is None else self.whole.origin
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -24,7 +24,9 @@ from walking_console.planner.types import Gait, Stance
 
 from .plants import PlantMissing, plant_entry
 from .scenario import Scenario, ScenarioError
+from .surroundings import Surroundings, belief_of, first_window, reach_of, window_on
 from .terrain.ground import Ground, make_ground
+from .terrain.tile_layers import TileFacts
 
 
 @dataclass(frozen=True)
@@ -39,6 +41,15 @@ class World:
     forbidden: NDArray[np.bool_]  # (ny, nx) true ground, for this machine
     stance: Stance
     course: SampledPath | None = None  # the path a trace walker is given
+    # of a wide map, whose window ``ground`` is: what follows from its heights for this machine
+    tiles: TileFacts | None = None
+
+    def surroundings(self) -> Surroundings | None:
+        """What lies beyond the ``ground`` at the start, for one walk; None where that is all."""
+        if self.tiles is None:
+            return None
+        reach = reach_of(self.scenario, self.machine)
+        return Surroundings(self.tiles, self.ground, self.scenario.start_pose[:2], reach)
 
 
 def prepare(
@@ -59,20 +70,19 @@ def prepare(
         ground = ground_for(scenario, machine, gait)
     elif ground.edge != scenario.terrain.edge:
         ground = replace(ground, edge=scenario.terrain.edge)
-    forbidden = true_forbidden(ground, machine)
-    belief = TerrainMap(
-        ground.heights,
-        forbidden,
-        ground.cell,
-        ground.origin,
-        machine.foot_radius,
-        edge=ground.edge,
-        relief=ground.relief,
-    )
+    tiles = crests = None
+    if ground.whole is None:
+        forbidden = true_forbidden(ground, machine)
+    else:
+        tiles = TileFacts(ground.whole, machine, ground.final)
+        x, y, _ = scenario.start_pose
+        window = first_window(ground.whole, x, y, reach_of(scenario, machine))
+        ground, forbidden, crests = window_on(tiles, ground, window)
+    belief = belief_of(ground, forbidden, machine, crests)
     if scenario.sensing == "known":
         belief.work_out()
     stance = stance_at_start(scenario, machine, gait, ground.height_at)
-    return World(scenario, machine, gait, ground, belief, forbidden, stance, course)
+    return World(scenario, machine, gait, ground, belief, forbidden, stance, course, tiles)
 
 
 def check_plant(scenario: Scenario) -> None:

@@ -69,6 +69,15 @@ def joined(one: Window | None, other: Window) -> Window:
     return rows, columns
 
 
+def common(one: Window, other: Window) -> Window:
+    """The cells that two rectangles have in common; none where they do not meet."""
+    rows, columns = (
+        slice(max(a.start, b.start), max(a.start, b.start, min(a.stop, b.stop)))
+        for a, b in zip(one, other, strict=True)
+    )
+    return rows, columns
+
+
 def around_cells(rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Window:
     """The least rectangle that holds some cells, of which there is at least one."""
     return slice(int(rows.min()), int(rows.max()) + 1), slice(

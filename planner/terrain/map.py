@@ -268,6 +268,13 @@ class TerrainMap(HeightGrid):
         return self
 
 
+def with_crests(terrain: TerrainMap, crests: NDArray[np.float64]) -> TerrainMap:
+    """The same map, whose crests, m, are known already."""
+    other = replace(terrain)
+    other.__dict__["crests"] = crests
+    return other
+
+
 def changed_in(
     terrain: TerrainMap, window: Window, heights: NDArray[np.float64], forbidden: NDArray[np.bool_]
 ) -> TerrainMap:

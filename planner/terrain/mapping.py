@@ -10,11 +10,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.transforms import left_fold_sum
+from ..geometry.transforms import XY, left_fold_sum
 from ..robot.model import Machine
 from ..types import Array, Point
 from .grid import Window, grown, joined
@@ -31,6 +32,13 @@ LEVEL_REPLAN_THRESHOLD = 0.01  # m; the same for the supposed level of unknown g
 AROUND = 1.5  # m about the feet in which unknown ground is supposed anew
 SAME = 1e-6  # m; feet this near to where they were have not moved
 TREATMENTS = ("flat", "forbidden")
+
+
+class Sightings(NamedTuple):
+    """What has been seen and felt of a rectangle of the ground, and how often, (ny, nx)."""
+
+    evidence: Evidence
+    looks: NDArray[np.uint8]
 
 
 class ElevationMapper:
@@ -224,6 +232,25 @@ class ElevationMapper:
             self._working.refill(grown(self._supposed_anew, reach, self.heights.shape))
             self._supposed_anew = None
         return self._working.publish()
+
+    def move(self, sightings: Sightings, origin: XY, here: Window, there: Window) -> None:
+        """Map another rectangle of the ground from now on, whose corner is at ``origin``: what lay
+        ``here`` in the old one lies ``there`` in it. All that has been seen of it is given.
+        """
+        self.publish_worked()
+        evidence, self._looks = sightings
+        self.heights, self.known, self.learnt = evidence
+        self._working.move(evidence, origin, here, there)
+
+    @property
+    def level(self) -> float:
+        """Where ground far from the machine of which nothing is known is supposed to be, m."""
+        return self._working.prior.level
+
+    @property
+    def sightings(self) -> Sightings:
+        """All that has been seen and felt, to be kept; the arrays are changed in place."""
+        return Sightings(Evidence(self.heights, self.known, self.learnt), self._looks)
 
     # bookkeeping
 

@@ -213,7 +213,7 @@ def classify_again(
     """``forbidden`` brought up to date after the heights of some (row, column) cells have changed:
     only their surroundings are read.
     """
-    near = max(sole_cells(machine, cell) + 1, round(RISE_WINDOW / cell / 2) + 1)
+    near = surroundings_of(machine, cell)
     rows = [row for row, _ in cells]
     columns = [column for _, column in cells]
     changed = slice(min(rows), max(rows) + 1), slice(min(columns), max(columns) + 1)
@@ -222,6 +222,11 @@ def classify_again(
     again = forbidden.copy()
     again[inner] = classify(heights[outer], cell, machine)[within(inner, outer)]
     return again
+
+
+def surroundings_of(machine: Machine, cell: float) -> int:
+    """How many cells away a height may decide whether a cell is prohibited."""
+    return max(sole_cells(machine, cell) + 1, round(RISE_WINDOW / cell / 2) + 1)
 
 
 def sole_cells(machine: Machine, cell: float) -> int:

@@ -8,16 +8,17 @@ is published is the map as far as it has been renewed.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.transforms import XY
 from ..robot.model import Machine
 from ..types import Array, Point
 from .grid import Window, grown, renew_crests, within
-from .map import TerrainMap
+from .map import TerrainMap, with_crests
 from .traversability import RISE_WINDOW, Kind, kinds_within
 
 # cells along the side of a block. More: see ticks come late; less: see ground far away come late
@@ -78,6 +79,19 @@ class Layers:
         self.high = np.fmax.reduce(self.filled, axis=1, initial=-np.inf)
         self._given: list[str] = []
 
+    def take_over(self, old: Layers, here: Window, there: Window, reach: int) -> None:
+        """What lies ``here`` in other layers comes ``there`` into these, which are level; a foot is
+        ``reach`` cells wide to either side.
+        """
+        self.filled[there] = old.filled[here]
+        self.forbidden[there] = old.forbidden[here]
+        self.known[there] = old.known[here]
+        self.crests[there] = old.crests[here]
+        for line in _sides_of(there):
+            renew_crests(self.crests, self.filled, line, reach)
+        self.low = np.fmin.reduce(self.filled, axis=1, initial=np.inf)
+        self.high = np.fmax.reduce(self.filled, axis=1, initial=-np.inf)
+
     def take_back_one(self) -> bool:
         """Copy one array that has been given away; False when there is none."""
         if not self._given:
@@ -127,10 +141,14 @@ class WorkingMap:
         self.reach = math.ceil(max(RISE_WINDOW / 2, machine.foot_radius) / blank.cell) + 1
         self._side = max(BLOCK, self.reach)
         self._shape = blank.heights.shape
-        rows, columns = (math.ceil(size / self._side) for size in self._shape)
-        self._stale = np.zeros((rows, columns), dtype=bool)
+        self._stale = self._no_blocks()
         self._next = 0  # the block to look at next, row by row
         self._has_news = False
+
+    def _no_blocks(self) -> NDArray[np.bool_]:
+        """Of no block of the map it is true that it is stale."""
+        rows, columns = (math.ceil(size / self._side) for size in self._shape)
+        return np.zeros((rows, columns), dtype=bool)
 
     @property
     def filled(self) -> Array:
@@ -171,6 +189,35 @@ class WorkingMap:
             )
         )
         return True
+
+    def move(self, evidence: Evidence, origin: XY, here: Window, there: Window) -> None:
+        """Go on with another rectangle of the ground, of which nothing has been worked out but what
+        lies ``here`` in the old one and ``there`` in it.
+        """
+        shape = evidence.known.shape
+        level = np.full(shape, self.prior.level)
+        nothing = np.zeros(shape, dtype=bool)
+        closed = np.full(shape, self.closed)
+        blank = replace(self.map, heights=level, forbidden=closed, known=nothing, origin=origin)
+        blank = with_crests(blank, level)
+        old, blocks = self.layers, np.argwhere(self._stale) * self._side
+        self.evidence = evidence
+        self.map = blank
+        self.layers = Layers(blank, nothing)
+        self.layers.take_over(old, here, there, math.ceil(self.machine.foot_radius / blank.cell))
+        self._shape = shape
+        self._stale = self._no_blocks()
+        self._next = 0
+        self._has_news = True
+        # what was waiting, what was known before, and what was worked out at the edge
+        blocks += [now.start - before.start for now, before in zip(there, here, strict=True)]
+        for corner in ((0, 0), (0, self._side - 1), (self._side - 1, 0), (self._side - 1,) * 2):
+            rows, columns = (blocks + corner).T
+            on = (rows >= 0) & (rows < self._shape[0]) & (columns >= 0) & (columns < self._shape[1])
+            self._stale[rows[on] // self._side, columns[on] // self._side] = True
+        fresh = evidence.known.copy()
+        fresh[_shrunk(there, self.reach)] = False
+        self.mark(*np.nonzero(fresh))
 
     def renew(self, window: Window) -> None:
         """Work out the cells of one rectangle anew: what they are, and how high."""
@@ -218,6 +265,25 @@ class WorkingMap:
             self._has_news = False
             self.map = self.layers.given_to(self.map)
         return self.map
+
+
+def _sides_of(window: Window) -> list[Window]:
+    """The outermost rows and columns of a rectangle; none of an empty one."""
+    rows, columns = window
+    if rows.start >= rows.stop or columns.start >= columns.stop:
+        return []
+    return [
+        (slice(rows.start, rows.start + 1), columns),
+        (slice(rows.stop - 1, rows.stop), columns),
+        (rows, slice(columns.start, columns.start + 1)),
+        (rows, slice(columns.stop - 1, columns.stop)),
+    ]
+
+
+def _shrunk(window: Window, by: int) -> Window:
+    """The rectangle with ``by`` cells fewer on every side; none where it is no larger."""
+    rows, columns = (slice(s.start + by, max(s.start + by, s.stop - by)) for s in window)
+    return rows, columns
 
 
 def _sums_around(values: Array) -> Array:

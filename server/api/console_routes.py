@@ -261,7 +261,9 @@ async def scenario(body: ScenarioBody, state: ConsoleState) -> JSONResponse:
 @router.get("/terrain.npz", response_class=Response)
 async def terrain_file(state: ConsoleState) -> Response:
     """The ground as it is now, as a run's `terrain.npz` has it: `heights` (row y, column x; NaN is
-    bottomless), `cell`, `origin`, `forbidden` (as the machine believes).
+    bottomless), `cell`, `origin`, `forbidden` (as the machine believes). Of a map of more than 4
+    million cells it is the window about the machine, with its `place`: row and column of its first
+    cell, rows and columns of the whole map.
     """
     packed = await asyncio.to_thread(packed_terrain, state.loop.newest.terrain)
     return Response(packed, media_type="application/octet-stream")

@@ -31,15 +31,19 @@ def painted(brush: str, x: float, y: float, radius: float) -> TerrainBody:
 
 
 def packed_terrain(terrain: TerrainView) -> bytes:
-    """The ground as a .npz file, which a scenario can walk on again."""
+    """The ground as a .npz file, which a scenario can walk on again; of a wide map the window about
+    the machine, and its ``place``: row, column, and rows and columns of the whole map.
+    """
     packed = io.BytesIO()
-    np.savez_compressed(
-        packed,
-        heights=terrain.heights.astype(np.float32),
-        cell=np.array(terrain.cell),
-        origin=np.array(terrain.origin),
-        forbidden=terrain.forbidden,
-    )
+    arrays = {
+        "heights": terrain.heights.astype(np.float32),
+        "cell": np.array(terrain.cell),
+        "origin": np.array(terrain.origin),
+        "forbidden": terrain.forbidden,
+    }
+    if terrain.whole is not None:
+        arrays["place"] = np.array([*terrain.corner, *terrain.whole_shape])
+    np.savez_compressed(packed, **arrays)  # type: ignore[arg-type]
     return packed.getvalue()
 
 
@@ -76,7 +80,7 @@ def _covered(name: str, cells: CellList) -> CellList:
 
 
 def _on_the_map(cells: list[list[int]], terrain: TerrainView) -> CellList:
-    ny, nx = terrain.heights.shape
+    ny, nx = terrain.whole_shape
     for row, column in cells:
         if row >= ny or column >= nx:
             raise HTTPProblem(

@@ -2,26 +2,45 @@
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
 from walking_console.planner.types import Array
+from walking_console.sim.perception import Perception
 from walking_console.sim.terrain.generators import Obstacle
 from walking_console.sim.terrain.ground import HEIGHT_MAX, Ground, GroundError
 
-Arrays = dict[str, np.ndarray[Any, Any]]
+from .wide_record import Arrays, wide_arrays, wide_ground
 
 OBSTACLE_NUMBERS = 5  # x, y, base, top, radius
 
 
-def ground_arrays(begun_on: Ground, heights: Array) -> Arrays:
-    """What is kept of the ground: its ``heights`` at the end as float32 for readers, and whatever
-    else it takes to have the ground a walk was begun on again.
+def ground_arrays(begun_on: Ground, perception: Perception) -> Arrays:
+    """What is kept of the ground, as it is at the end and as it is believed to be then, and
+    whatever else it takes to have the ground a walk was ``begun_on`` again.
 
-    ``start_heights`` (float64) is there only where ``heights`` does not say it exactly;
     ``obstacles`` (k, 5) are x, y, base, top, radius, and ``obstacle_corners`` (k, c, 2) the corners
     of those that have some.
+    """
+    if perception.wide is None or begun_on.whole is None:
+        arrays = {
+            **_height_arrays(begun_on, perception.ground.heights),
+            "forbidden": perception.true_forbidden,
+            "believed_heights": perception.belief.heights.astype(np.float32),
+            "believed_forbidden": perception.belief.forbidden,
+        }
+    else:
+        arrays = wide_arrays(begun_on.whole, perception, perception.wide)
+    if begun_on.obstacles:
+        arrays |= _obstacle_arrays(begun_on.obstacles)
+    return arrays
+
+
+def _height_arrays(begun_on: Ground, heights: Array) -> Arrays:
+    """``heights`` at the end as float32 for readers, and how they were before the walk.
+
+    ``start_heights`` (float64) is there only where ``heights`` does not say it exactly.
     """
     rounded = heights.astype(np.float32)
     arrays: Arrays = {
@@ -31,8 +50,6 @@ def ground_arrays(begun_on: Ground, heights: Array) -> Arrays:
     }
     if not np.array_equal(rounded.astype(np.float64), begun_on.heights, equal_nan=True):
         arrays["start_heights"] = begun_on.heights
-    if begun_on.obstacles:
-        arrays |= _obstacle_arrays(begun_on.obstacles)
     return arrays
 
 
@@ -57,6 +74,8 @@ def ground_from(arrays: Arrays, kind: str, final: bool) -> Ground:
         raise GroundError(f"heights must be within {HEIGHT_MAX:g} m of 0, or NaN")
     if not cell > 0.0 or origin.shape != (2,) or not np.isfinite(origin).all():
         raise GroundError(f"cell must be positive and origin x and y, got {cell!r}, {origin!r:.60}")
+    if "place" in arrays:
+        return replace(wide_ground(arrays, heights, kind, final), obstacles=_obstacles(arrays))
     at = float(origin[0]), float(origin[1])
     return Ground(heights, cell, at, kind, final, _obstacles(arrays))
 

@@ -163,13 +163,7 @@ class Recorder:
         log = self.columns()
         log |= self._legs.columns(log)
         np.savez_compressed(out / "ticks.npz", **log)  # type: ignore[arg-type]
-        perception = simulation.perception
-        terrain = {
-            **ground_arrays(simulation.world.ground, perception.ground.heights),
-            "forbidden": perception.true_forbidden,
-            "believed_heights": perception.belief.heights.astype(np.float32),
-            "believed_forbidden": perception.belief.forbidden,
-        }
+        terrain = ground_arrays(simulation.world.ground, simulation.perception)
         np.savez_compressed(out / "terrain.npz", **terrain)  # type: ignore[arg-type]
         _write_lines(out / "steps.jsonl", self.steps)
         _write_lines(out / "inputs.jsonl", self.inputs)

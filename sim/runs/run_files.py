@@ -14,8 +14,9 @@ from walking_console.planner.robot.card import shown
 from walking_console.planner.robot.model import machine_from
 from walking_console.planner.types import Command
 from walking_console.sim.requests import Request, input_from
-from walking_console.sim.runs.ground_record import Arrays, ground_from
+from walking_console.sim.runs.ground_record import ground_from
 from walking_console.sim.runs.recorder import SCHEMA
+from walking_console.sim.runs.wide_record import Arrays
 from walking_console.sim.scenario_files import scenario_from
 from walking_console.sim.terrain.ground import Ground
 from walking_console.sim.world import World, prepare

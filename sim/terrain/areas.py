@@ -15,16 +15,17 @@ CellList = tuple[tuple[int, int], ...]  # (row, column)
 def cells_in_rectangle(
     terrain: TerrainView, low: tuple[float, float], high: tuple[float, float]
 ) -> CellList:
-    """Every cell of the map that the rectangle from ``low`` to ``high`` (x, y in m) touches."""
+    """Every cell of the whole map that the rectangle from ``low`` to ``high`` (x, y, m) touches."""
     rows, columns = _touched(terrain, low, high)
     return _pairs(rows.ravel(), columns.ravel())
 
 
 def cells_in_circle(terrain: TerrainView, x: float, y: float, radius: float) -> CellList:
-    """The cells of the map whose centres are within ``radius`` (m) of a point."""
+    """The cells of the whole map whose centres are within ``radius`` (m) of a point."""
     rows, columns = _touched(terrain, (x - radius, y - radius), (x + radius, y + radius))
-    dx = terrain.origin[0] + (columns + 0.5) * terrain.cell - x
-    dy = terrain.origin[1] + (rows + 0.5) * terrain.cell - y
+    ox, oy = terrain.whole_origin
+    dx = ox + (columns + 0.5) * terrain.cell - x
+    dy = oy + (rows + 0.5) * terrain.cell - y
     inside = dx * dx + dy * dy <= radius**2
     return _pairs(rows[inside], columns[inside])
 
@@ -33,9 +34,10 @@ def _touched(
     terrain: TerrainView, low: tuple[float, float], high: tuple[float, float]
 ) -> tuple[Index, Index]:
     """Rows and columns of the cells that a rectangle touches, each (rows, columns)."""
-    ny, nx = terrain.heights.shape
-    columns = _span(low[0], high[0], terrain.origin[0], terrain.cell, nx)
-    rows = _span(low[1], high[1], terrain.origin[1], terrain.cell, ny)
+    ny, nx = terrain.whole_shape
+    x, y = terrain.whole_origin
+    columns = _span(low[0], high[0], x, terrain.cell, nx)
+    rows = _span(low[1], high[1], y, terrain.cell, ny)
     in_rows, in_columns = np.meshgrid(rows, columns, indexing="ij")
     return in_rows, in_columns
 

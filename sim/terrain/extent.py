@@ -5,16 +5,19 @@ that a longer course finds the same ground.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from walking_console.planner.geometry.paths import Box
+from walking_console.planner.geometry.transforms import XY
 
 from .generators import Flat, Generated, GroundError
+from .wide_map import WHOLE_CELLS_MAX, WIDE_CELLS_MAX
 
 BEYOND = 2.5  # m of ground beyond the course; the contract asks for 2
-AROUND = 6.0  # m around the start, for driving by hand; given up when the map would be too large
+# m around the start, for driving by hand; given up where the map can be held whole without
+AROUND = 6.0
 AROUND_FLAT = 12.0  # m, the contract's for flat ground
-MAP_CELLS_MAX = 4_000_000  # 32 MB of heights: a diagonal course of 70 m at 0.025 m
 FLAT_CELLS_MAX = 1_000_000
 
 
@@ -39,25 +42,48 @@ class CellRange(NamedTuple):
         return west * cell, east * cell, south * cell, north * cell
 
 
-def cells_for(terrain: Generated, start: tuple[float, float], course: Box) -> CellRange:
+def cells_for(terrain: Generated, start: XY, course: Box) -> CellRange:
     """The map for a course (x_min, x_max, y_min, y_max) begun at ``start``; raises
     ``GroundError`` when it would be too large.
     """
+    if terrain.map_size is not None:
+        return _checked(terrain, _of_size(terrain.map_size, start, course, terrain.cell))
     if isinstance(terrain, Flat):
         return _of_flat_ground(terrain, start, course)
     for around in (AROUND, BEYOND):
         cells = _cells(start, course, around, terrain.cell)
-        if cells.size <= MAP_CELLS_MAX:
+        if cells.size <= WHOLE_CELLS_MAX:
             return cells
+    return _checked(terrain, _cells(start, course, AROUND, terrain.cell))
+
+
+def _checked(terrain: Generated, cells: CellRange) -> CellRange:
+    """The same cells, unless they are too many."""
+    if cells.size <= WIDE_CELLS_MAX:
+        return cells
     x_min, x_max, y_min, y_max = cells.bounds
     raise GroundError(
         f"the course needs {x_max - x_min:.0f} x {y_max - y_min:.0f} m of {terrain.kind} ground, "
         f"{cells.size} cells of {terrain.cell:g} m; "
-        f"at most {MAP_CELLS_MAX}: shorten [end] or drive along x or y"
+        f"at most {WIDE_CELLS_MAX}: shorten [end] or drive along x or y"
     )
 
 
-def _of_flat_ground(terrain: Flat, start: tuple[float, float], course: Box) -> CellRange:
+def _of_size(size: Sequence[float], start: XY, course: Box, cell: float) -> CellRange:
+    """A map of at least this size about the start, that reaches ``BEYOND`` the course too."""
+    x, y = start
+    half_x, half_y = (side / 2.0 for side in size)
+    x_min, x_max, y_min, y_max = course
+    within = (
+        min(x_min, x - half_x + BEYOND),
+        max(x_max, x + half_x - BEYOND),
+        min(y_min, y - half_y + BEYOND),
+        max(y_max, y + half_y - BEYOND),
+    )
+    return _cells(start, within, BEYOND, cell)
+
+
+def _of_flat_ground(terrain: Flat, start: XY, course: Box) -> CellRange:
     """Level ground is exact in cells of any size: they grow with the course."""
     cells = _cells(start, course, AROUND_FLAT, terrain.cell)
     while cells.size > FLAT_CELLS_MAX:
@@ -65,7 +91,7 @@ def _of_flat_ground(terrain: Flat, start: tuple[float, float], course: Box) -> C
     return cells
 
 
-def _cells(start: tuple[float, float], course: Box, around: float, cell: float) -> CellRange:
+def _cells(start: XY, course: Box, around: float, cell: float) -> CellRange:
     """Whole cells that reach ``BEYOND`` the course and ``around`` the start."""
     x, y = start
     x_min, x_max, y_min, y_max = course

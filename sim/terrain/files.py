@@ -37,12 +37,17 @@ from .generators import (
     quarter_direction,
 )
 from .readers import READERS, Raster
+from .readers.raster import Heights
+from .wide_map import WHOLE_CELLS_MAX, WIDE_CELLS_MAX
 
 Mask = NDArray[np.bool_]
 
-CELLS_MAX = 4_000_000  # of a map that is walked on, whatever the format
+FINE = 0.01  # m; of smaller cells too many lie near a machine for a map that is not held whole
+BAND = 256  # rows that are looked at together; more: large files take much memory
+RESAMPLED_MAX = 16_000_000  # cells a map of unequal cells may be interpolated to
 HEIGHT_MAX = 10.0  # m from 0; beyond it heights are above some sea, and are brought to the start
 RELIEF_MAX = 100.0  # m from the start; more is no ground for a walker
+NEAR = 64  # cells about the start in which ground is looked for first
 DEFAULT_CELL = 0.05  # m
 EQUAL = 1e-6  # of a side, by which the sides of a square cell may differ: rounding, far from 0
 DEGREE = 111_195.0  # m of a great circle
@@ -63,7 +68,7 @@ NODATA_USUAL = (
 class FileGround(NamedTuple):
     """What a height file came to."""
 
-    heights: Array  # (ny, nx) m, row of least y first
+    heights: Heights  # (ny, nx) m, row of least y first
     cell: float  # m
     origin: tuple[float, float]  # x, y of the corner of cell [0, 0], m
     note: str  # one line that says what was understood
@@ -73,7 +78,7 @@ class FileGround(NamedTuple):
 class _Map:
     """Heights on their way from a file to the walker."""
 
-    heights: Array
+    heights: Heights
     cell: tuple[float, float]
     origin: tuple[float, float] | None = None
     said: tuple[str, ...] = field(default=())
@@ -166,7 +171,7 @@ def _size(cell: tuple[float, float]) -> str:
     return f"{x} m" if x == y else f"{x} x {y} m"
 
 
-def _values(terrain: MapTerrain, raster: Raster) -> Array:
+def _values(terrain: MapTerrain, raster: Raster) -> Heights:
     """Heights in the walker's directions: the row of least y first."""
     heights = raster.heights
     if terrain.flip in ("x", "xy"):
@@ -218,7 +223,9 @@ def _without_nodata(terrain: MapTerrain, raster: Raster, found: _Map) -> _Map:
     nothing = raster.nodata if terrain.nodata is None else (terrain.nodata,)
     missing: Mask = np.zeros(found.heights.shape, dtype=np.bool_)
     for value in nothing:
-        missing |= np.isclose(found.heights, value, rtol=1e-6, atol=0.0)
+        for first in range(0, len(missing), BAND):
+            some = slice(first, first + BAND)
+            missing[some] |= np.isclose(found.heights[some], value, rtol=1e-6, atol=0.0)
     scale = 1.0 if raster.scaled else terrain.scale
     heights = np.where(missing, np.nan, found.heights) * scale
     if missing.any() and terrain.nan != "hole":
@@ -232,7 +239,7 @@ def _without_nodata(terrain: MapTerrain, raster: Raster, found: _Map) -> _Map:
     return replace(found, heights=heights, said=(*found.said, *said))
 
 
-def _refuse_hidden_nodata(heights: Array, missing: Mask) -> None:
+def _refuse_hidden_nodata(heights: Heights, missing: Mask) -> None:
     """A few cells of a usual NODATA value far from all others are no ground, whoever forgot to
     say.
     """
@@ -305,7 +312,7 @@ def _square(found: _Map, start: tuple[float, float]) -> _Map:
     cell = min(dx, dy)
     ny, nx = found.heights.shape
     counts = round(ny * dy / cell), round(nx * dx / cell)
-    if counts[0] * counts[1] > CELLS_MAX * 4:
+    if counts[0] * counts[1] > RESAMPLED_MAX:
         raise GroundError(
             f"square cells of {cell:g} m would be {counts[1]} x {counts[0]}: set step"
         )
@@ -339,19 +346,20 @@ def _resampled(
 
 
 def _thinned(found: _Map) -> _Map:
-    """At most ``CELLS_MAX`` cells, whatever the format."""
+    """At most as many cells as a wide map may have; as one held whole, where they are fine."""
     ny, nx = found.heights.shape
-    if ny * nx <= CELLS_MAX:
+    most = WIDE_CELLS_MAX if found.cell[0] >= FINE else WHOLE_CELLS_MAX
+    if ny * nx <= most:
         return found
-    step = math.ceil(math.sqrt(ny * nx / CELLS_MAX))
+    step = math.ceil(math.sqrt(ny * nx / most))
     cell = found.cell[0] * step
     if cell > CELL_MAX:
         raise GroundError(
-            f"{nx} x {ny} cells of {_size(found.cell)}; at most {CELLS_MAX} of {CELL_MAX:g} m can"
+            f"{nx} x {ny} cells of {_size(found.cell)}; at most {most} of {CELL_MAX:g} m can"
             " be walked on: set crop"
         )
     thin = replace(found, heights=found.heights[::step, ::step], cell=(cell, cell))
-    return thin.saying(f"thinned to one cell in {step} ({CELLS_MAX} at most)")
+    return thin.saying(f"thinned to one cell in {step} ({most} at most)")
 
 
 def _brought_to_start(terrain: MapTerrain, found: _Map, start: tuple[float, float]) -> _Map:
@@ -377,15 +385,26 @@ def _brought_to_start(terrain: MapTerrain, found: _Map, start: tuple[float, floa
 
 def _height_near(found: _Map, at: tuple[float, float]) -> float:
     """The height of the cell that contains a place, or of the nearest one that has ground."""
-    rows, columns = np.nonzero(np.isfinite(found.heights))
     origin = found.origin or (0.0, 0.0)
     column = math.floor((at[0] - origin[0]) / found.cell[0])
     row = math.floor((at[1] - origin[1]) / found.cell[1])
-    nearest = int(np.argmin((rows - row) ** 2 + (columns - column) ** 2))
-    return float(found.heights[rows[nearest], columns[nearest]])
+    ny, nx = found.heights.shape
+    near = NEAR
+    while True:
+        # the nearest in a square is the nearest of all when it is no farther than its sides
+        first_row, first_column = max(0, row - near), max(0, column - near)
+        square = found.heights[
+            first_row : max(0, row + near + 1), first_column : max(0, column + near + 1)
+        ]
+        rows, columns = np.nonzero(np.isfinite(square))
+        away = (rows + first_row - row) ** 2 + (columns + first_column - column) ** 2
+        if rows.size and (away.min() <= near**2 or square.size == ny * nx):
+            nearest = int(np.argmin(away))
+            return float(square[rows[nearest], columns[nearest]])
+        near *= 2
 
 
-def _check_heights(heights: Array, terrain: MapTerrain) -> None:
+def _check_heights(heights: Heights, terrain: MapTerrain) -> None:
     """Refuse what is no ground, naming the first cell at fault as [row, column]."""
     for bad, says in (
         (np.isinf(heights), "is infinite"),
@@ -413,10 +432,10 @@ def _smoothed(found: _Map) -> _Map:
     cell = found.cell[0]
     parts = math.ceil(cell / SMOOTH_CELL - 1e-9)
     ny, nx = found.heights.shape
-    if ny * nx * parts * parts > CELLS_MAX:
+    if ny * nx * parts * parts > WHOLE_CELLS_MAX:
         raise GroundError(
-            f"smooth = true would make {ny * parts} x {nx * parts} cells; at most {CELLS_MAX}: set"
-            " crop"
+            f"smooth = true would make {ny * parts} x {nx * parts} cells; at most "
+            f"{WHOLE_CELLS_MAX}: set crop"
         )
     rows = np.asarray((np.arange(ny * parts) + 0.5) / parts - 0.5, dtype=np.float64)
     columns = np.asarray((np.arange(nx * parts) + 0.5) / parts - 0.5, dtype=np.float64)
@@ -425,7 +444,7 @@ def _smoothed(found: _Map) -> _Map:
     return fine.saying(f"interpolated to {cell / parts:g} m")
 
 
-def _between_holes(grid: Array, rows: Array, columns: Array) -> Array:
+def _between_holes(grid: Heights, rows: Array, columns: Array) -> Array:
     """Bilinear interpolation between the cells that have ground; a place in a hole's cell is
     hole.
     """
@@ -442,7 +461,7 @@ def _between_holes(grid: Array, rows: Array, columns: Array) -> Array:
     return np.asarray(heights)
 
 
-def _between(grid: Array, rows: Array, columns: Array) -> Array:
+def _between(grid: Heights, rows: Array, columns: Array) -> Array:
     """Bilinear interpolation of ``grid`` at every (row, column) of two axes, held constant beyond
     the edges.
     """

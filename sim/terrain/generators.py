@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
@@ -30,6 +31,7 @@ ROWS_MAX = 2000  # of heights in a scenario, and of heights in each
 SEED_MAX = 2**63 - 1
 PATCHES_MAX = 200  # of ground that gives way
 
+MapSide = Annotated[float, Field(gt=0.0, le=2000.0)]  # m
 CellSize = Annotated[float, Field(ge=CELL_MIN, le=10_000.0)]
 
 
@@ -106,7 +108,7 @@ class Terrain(Table):
 
 
 class Generated(Terrain):
-    """Ground that is computed, in a map as large as the course needs."""
+    """Ground that is computed, in a map as large as the course needs, or larger."""
 
     # parameter: value at difficulty 0, at difficulty 1
     RAMP: ClassVar[dict[str, tuple[float, float]]] = {}
@@ -117,6 +119,11 @@ class Generated(Terrain):
         default=None, ge=0.0, le=1.0, description="0 easy to 1 hard; explicit parameters win"
     )
     cell: float = Field(default=SMOOTH_CELL, ge=CELL_MIN, le=SMOOTH_CELL, description="m")
+    map_size: Annotated[list[MapSide], Field(min_length=2, max_length=2)] | None = Field(
+        default=None,
+        description="m along x and y the map reaches about the start, at least; as large as the "
+        "course needs when not given",
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -466,42 +473,61 @@ class Poles(Generated):
             )
         return self
 
-    def centres(self, site: Site) -> list[tuple[float, float]]:
+    def centres(self, site: Site) -> tuple[tuple[float, float], ...]:
         """Where the poles stand, outside the start's clearing; the area may be too small for all of
         them.
         """
-        rng = np.random.default_rng([site.seed, 5])
         x_min, x_max, y_min, y_max = self.area
-        apart = 2 * self.radius + self.spacing
-        placed = list[tuple[float, float]]()
-        for _ in range(50 * self.count):
-            if len(placed) == self.count:
-                break
-            x, y = float(rng.uniform(x_min, x_max)), float(rng.uniform(y_min, y_max))
-            clear = math.hypot(x - site.start[0], y - site.start[1]) > site.clear + self.radius
-            if clear and all(math.hypot(x - px, y - py) >= apart for px, py in placed):
-                placed.append((x, y))
-        if len(placed) < self.count:
-            raise GroundError(
-                f"only {len(placed)} of {self.count} poles fit; "
-                "use fewer, less spacing or a larger area"
-            )
-        return placed
+        return _pole_centres(
+            self.count,
+            self.radius,
+            self.spacing,
+            (x_min, x_max, y_min, y_max),
+            (site.start, site.clear, site.seed),
+        )
 
     def shape(self, site: Site) -> Array:
         heights = np.zeros((site.y.size, site.x.size))
+        wide = max(self.radius, 0.75 * site.cell)
         for px, py in self.centres(site):
-            c0, c1 = _span(px, self.radius, site.bounds[0], site.cell, site.x.size)
-            r0, r1 = _span(py, self.radius, site.bounds[2], site.cell, site.y.size)
+            c0, c1 = _span(px, wide + site.cell, site.x[0])
+            r0, r1 = _span(py, wide + site.cell, site.y[:, 0])
             patch = heights[r0:r1, c0:c1]
-            patch[
-                np.hypot(site.x[:, c0:c1] - px, site.y[r0:r1] - py)
-                <= max(self.radius, 0.75 * site.cell)
-            ] = self.height
+            patch[np.hypot(site.x[:, c0:c1] - px, site.y[r0:r1] - py) <= wide] = self.height
         return heights
 
     def obstacles(self, site: Site) -> tuple[Obstacle, ...]:
         return tuple(Obstacle(x, y, 0.0, self.height, self.radius) for x, y in self.centres(site))
+
+
+@lru_cache(maxsize=8)
+def _pole_centres(
+    count: int,
+    radius: float,
+    spacing: float,
+    area: Box,
+    place: tuple[tuple[float, float], float, int],
+) -> tuple[tuple[float, float], ...]:
+    """Where poles stand; ``place`` is the start, its clearing in m and the seed. Kept, as a wide
+    map asks for them with every tile.
+    """
+    start, clear, seed = place
+    rng = np.random.default_rng([seed, 5])
+    x_min, x_max, y_min, y_max = area
+    apart = 2 * radius + spacing
+    placed = list[tuple[float, float]]()
+    for _ in range(50 * count):
+        if len(placed) == count:
+            break
+        x, y = float(rng.uniform(x_min, x_max)), float(rng.uniform(y_min, y_max))
+        is_clear = math.hypot(x - start[0], y - start[1]) > clear + radius
+        if is_clear and all(math.hypot(x - px, y - py) >= apart for px, py in placed):
+            placed.append((x, y))
+    if len(placed) < count:
+        raise GroundError(
+            f"only {len(placed)} of {count} poles fit; use fewer, less spacing or a larger area"
+        )
+    return tuple(placed)
 
 
 class Dem(Generated):
@@ -732,13 +758,10 @@ def _box(
     )
 
 
-def _span(centre: float, radius: float, low: float, cell: float, count: int) -> tuple[int, int]:
-    """The range of cells a circle may touch."""
-    first, last = (
-        math.floor((centre - radius - low) / cell) - 1,
-        math.floor((centre + radius - low) / cell) + 2,
-    )
-    return min(max(first, 0), count), min(max(last, 0), count)
+def _span(centre: float, reach: float, places: Array) -> tuple[int, int]:
+    """The range of cells a circle may touch, of those at these rising places."""
+    first, last = np.searchsorted(places, (centre - reach, centre + reach))
+    return int(first), int(last)
 
 
 def _lattice(site: Site, pitch: float, salt: int, shift: float = 0.0) -> Array:

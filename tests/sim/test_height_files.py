@@ -8,8 +8,9 @@ import tifffile
 from PIL import Image
 
 from tests.sim.terrain.readers.files import FIXTURES, HILL, ground, of_fixture
-from walking_console.sim.terrain.files import CELLS_MAX, read_heights
+from walking_console.sim.terrain.files import read_heights
 from walking_console.sim.terrain.generators import FileTerrain, GroundError
+from walking_console.sim.terrain.wide_map import WHOLE_CELLS_MAX
 
 
 def test_heights_above_the_sea_are_brought_to_the_start_and_that_is_told() -> None:
@@ -42,7 +43,9 @@ def test_nodata_that_nobody_told_of_is_named_with_the_key_that_cures_it() -> Non
 
 
 @pytest.mark.parametrize("suffix", ["npy", "png", "tif"])
-def test_one_limit_for_all_formats_and_the_thinning_is_told(tmp_path: Path, suffix: str) -> None:
+def test_one_limit_for_fine_cells_of_all_formats_and_the_thinning_is_told(
+    tmp_path: Path, suffix: str
+) -> None:
     side = 2100
     values = np.zeros((side, side), dtype=np.uint8)
     path = tmp_path / f"h.{suffix}"
@@ -52,8 +55,8 @@ def test_one_limit_for_all_formats_and_the_thinning_is_told(tmp_path: Path, suff
         Image.fromarray(values).save(path)
     else:
         tifffile.imwrite(path, values)
-    made = ground(path, cell=0.05)
-    assert made.heights.size <= CELLS_MAX and made.cell == 0.1
+    made = ground(path, cell=0.005)
+    assert made.heights.size <= WHOLE_CELLS_MAX and made.cell == 0.01
     assert "thinned to one cell in 2" in made.note
 
 

@@ -21,9 +21,10 @@ from walking_console.sim.requests import (
     input_record,
 )
 from walking_console.sim.scenario_files import load_scenario
+from walking_console.sim.terrain.ground import Ground
 from walking_console.sim.world import prepare
 
-LEVEL = np.zeros((3, 4))
+LEVEL = Ground(np.zeros((3, 4)), 0.05, (0.0, 0.0))
 ALL = (
     Command(0.1, 0.2, -0.3),
     Edit("raise", ((1, 2), (3, 4)), 0.05),
@@ -70,13 +71,15 @@ def test_a_record_that_says_nothing_sensible_is_refused(record, says) -> None:
 
 
 def test_digging_raising_and_clearing_change_the_cells_named_and_no_others() -> None:
-    dug = edited(LEVEL, Edit("dig", ((1, 2),)))
+    ground = edited(LEVEL, Edit("dig", ((1, 2),)))
+    dug = ground.heights
     assert np.isnan(dug[1, 2]) and np.isfinite(dug).sum() == 11
     raised = edited(LEVEL, Edit("raise", ((0, 0), (2, 3)), 0.2))
-    assert raised[0, 0] == raised[2, 3] == 0.2 and raised.sum() == pytest.approx(0.4)
-    cleared = edited(dug, Edit("clear", ((1, 2), (0, 0))))
-    assert np.array_equal(cleared, LEVEL)
-    assert np.array_equal(edited(raised, Edit("forbid", ((0, 0),))), raised)
+    heights = raised.heights
+    assert heights[0, 0] == heights[2, 3] == 0.2 and heights.sum() == pytest.approx(0.4)
+    cleared = edited(ground, Edit("clear", ((1, 2), (0, 0))))
+    assert np.array_equal(cleared.heights, LEVEL.heights)
+    assert edited(raised, Edit("forbid", ((0, 0),))) is raised
 
 
 @pytest.mark.parametrize(
@@ -90,7 +93,7 @@ def test_digging_raising_and_clearing_change_the_cells_named_and_no_others() -> 
     ],
 )
 def test_an_edit_that_cannot_be_is_refused_and_changes_nothing(edit, says) -> None:
-    before = LEVEL.copy()
+    before = LEVEL.heights.copy()
     with pytest.raises(ValueError, match=says):
         edited(LEVEL, edit)
-    assert np.array_equal(LEVEL, before)
+    assert np.array_equal(LEVEL.heights, before)

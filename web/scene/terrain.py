@@ -28,6 +28,7 @@ from .terrain_texture import (
 from .types import Bools, Floats, Indices
 
 TILES = 8  # tiles a side: an edited patch re-sends one of them
+WIDE_TILE = 96  # cells a side of a tile of a window: what comes into it is drawn, the rest stays
 QUADS_MAX = 200  # quads a side on smooth ground; more: joining takes seconds on a slow line
 # exact steps up to here; more: drawn thinned out, with holes only painted
 STEPPED_QUADS_MAX = 60_000
@@ -72,7 +73,8 @@ class Tile:
 
 class TerrainMesh:
     """One map, ready to be cut into tiles. Heights in m (ny, nx), NaN is a hole. ``relief`` is from
-    which height to which its colours go, m; its own where none is given.
+    which height to which its colours go, m; its own where none is given. Of a wide map it is a
+    window with its ``corner`` there: tiles keep their places while the window moves.
     """
 
     def __init__(
@@ -82,8 +84,12 @@ class TerrainMesh:
         cell: float,
         origin: tuple[float, float],
         relief: tuple[float, float] | None = None,
+        *,
+        stepped: bool | None = None,
+        corner: tuple[int, int] | None = None,
     ) -> None:
         self.heights = heights
+        self.corner = corner
         self.forbidden = forbidden
         self.cell = cell
         self.origin = origin
@@ -91,9 +97,11 @@ class TerrainMesh:
         self.low = float(solid.min()) if solid.size else 0.0
         high = float(solid.max()) if solid.size else 0.0
         self.relief = relief or (self.low, high)
-        self.stepped = is_stepped(heights)
+        self.stepped = is_stepped(heights) if stepped is None else stepped
         self.scale = self._pixels_a_cell()
         self._stride = max(1, -(-max(heights.shape) // QUADS_MAX))
+        if corner is not None:
+            self._stride = 1 << (self._stride - 1).bit_length()
 
     def _pixels_a_cell(self) -> int:
         side = max(self.heights.shape)
@@ -107,22 +115,38 @@ class TerrainMesh:
 
     def tiles(self) -> list[Tile]:
         """Every tile of the map, row by row, each with its key."""
-        rows, columns = (
-            np.linspace(0, n, min(TILES, n) + 1).astype(int).tolist() for n in self.heights.shape
-        )
+        rows, columns = self._cuts()
         found = []
-        for j, (r0, r1) in enumerate(zip(rows, rows[1:], strict=False)):
-            for i, (c0, c1) in enumerate(zip(columns, columns[1:], strict=False)):
+        for j, r0, r1 in rows:
+            for i, c0, c1 in columns:
                 window = Window(r0, r1, c0, c1)
-                found.append(Tile(f"{j}_{i}", self._key(window), window))
+                found.append(Tile(f"{j}_{i}", self.key(window), window))
         return found
 
-    def _key(self, window: Window) -> int:
+    def _cuts(self) -> Iterator[list[tuple[int, int, int]]]:
+        """Of rows and columns: number, first cell and one past the last of every strip of tiles."""
+        for n, first in zip(self.heights.shape, self.corner or (0, 0), strict=True):
+            if self.corner is None:
+                cuts = np.linspace(0, n, min(TILES, n) + 1).astype(int).tolist()
+                begin = 0
+            else:
+                begin = first // WIDE_TILE
+                inner = range((begin + 1) * WIDE_TILE - first, n, WIDE_TILE)
+                cuts = [0, *inner, n]
+            yield [(begin + k, a, b) for k, (a, b) in enumerate(zip(cuts, cuts[1:], strict=False))]
+
+    def key(self, window: Window) -> int:
         """A hash over all that the picture and the shape of a tile depend on."""
         around = window.grown(AROUND).cells
         cells = (self.heights[around].tobytes(), self.forbidden[around].tobytes())
         relief = tuple(round(height, 3) for height in (self.low, *self.relief))
-        place = (self.cell, self.origin, self.stepped, self.scale, window.r0, window.c0)
+        r0, r1, c0, c1 = window
+        rows, columns = self.heights.shape
+        at = self.corner or (0, 0)
+        origin = self.origin if self.corner is None else None
+        # of a window only where a tile lies in the whole map, and which sides are its edge
+        sides = (r0 == 0, r1 == rows, c0 == 0, c1 == columns)
+        place = (self.cell, origin, self.stepped, self.scale, r0 + at[0], c0 + at[1], sides)
         return hash((cells, relief, place))
 
     def draw(self, tile: Tile) -> bytes:

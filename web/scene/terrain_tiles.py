@@ -9,9 +9,10 @@ import numpy as np
 import viser
 
 from walking_console.planner.geometry.transforms import XY
-from walking_console.sim.snapshot import TerrainView
+from walking_console.sim.snapshot import TerrainView, WholeMap
 
-from .terrain import TerrainMesh, Tile, floor
+from .far_terrain import look_over, mesh_of, sheets_around
+from .terrain import TerrainMesh, Tile, Window, floor
 from .types import Floats
 
 RAY_STEP = 0.02  # m along a click's ray between looks at the ground
@@ -28,22 +29,62 @@ class TerrainTiles:
         self.tiles: dict[str, tuple[Tile, viser.GlbHandle]] = {}
         self.floor: viser.GlbHandle | None = None
         self._relief: tuple[float, float] | None = None  # of this world when it was new
+        self._looks: Floats | None = None  # heights all over a wide map when it was new
 
     def draw(self, view: TerrainView) -> None:
         """Show this ground: nothing is sent where it is the same as before."""
         if self.view is not None and _same_ground(view, self.view):
             return
-        relief = self._relief if self.view is not None and _is_edit_of(self.view, view) else None
-        mesh = TerrainMesh(view.heights, view.forbidden, view.cell, view.origin, relief)
+        mesh = self._mesh(view)
         self._relief = mesh.relief
-        wanted = mesh.tiles()
-        fresh = [(tile, mesh.draw(tile)) for tile in wanted if self._differs(tile)]
+        wanted = [(tile, mesh) for tile in mesh.tiles()]
+        wanted += self._far(view, mesh.relief)
+        fresh = [(tile, mesh.draw(tile)) for tile, mesh in wanted if self._differs(tile)]
         with self.server.atomic():
-            self._remove_all_but({tile.name for tile in wanted})
+            self._remove_all_but({tile.name for tile, _ in wanted})
             for tile, data in fresh:
                 self.tiles[tile.name] = (tile, self._show(tile.name, data))
             self._show_floor(mesh, view)
         self.view = view
+
+    def _mesh(self, view: TerrainView) -> TerrainMesh:
+        """The ground at hand in the colours of its world."""
+        if view.whole is not None:
+            relief = self._relief_of(view.whole)
+            corner = view.corner
+            return TerrainMesh(
+                view.heights, view.forbidden, view.cell, view.origin, relief, corner=corner
+            )
+        self._looks = None
+        relief = self._relief if self.view is not None and _is_edit_of(self.view, view) else None
+        return TerrainMesh(view.heights, view.forbidden, view.cell, view.origin, relief)
+
+    def _relief_of(self, whole: WholeMap) -> tuple[float, float] | None:
+        """Lowest and highest ground of a wide map, m, as far as it is looked over; the same as
+        before after an edit.
+        """
+        looks = look_over(whole)
+        if self._looks is not None and _are_alike(self._looks, looks):
+            return self._relief
+        self._looks = looks
+        solid = looks[np.isfinite(looks)]
+        return (float(solid.min()), float(solid.max())) if solid.size else None
+
+    def _far(
+        self, view: TerrainView, relief: tuple[float, float]
+    ) -> list[tuple[Tile, TerrainMesh]]:
+        """What lies beyond the window of a wide map, each sheet with its key."""
+        if view.whole is None:
+            return []
+        (ny, nx), (row, column) = view.heights.shape, view.corner
+        window = (row, row + ny), (column, column + nx)
+        found = []
+        for sheet in sheets_around(window, view.whole.shape):
+            mesh = mesh_of(sheet, view.whole, view.cell, relief)
+            rows, columns = mesh.heights.shape
+            extent = Window(0, rows, 0, columns)
+            found.append((Tile(sheet.name, mesh.key(extent), extent), mesh))
+        return found
 
     def _differs(self, tile: Tile) -> bool:
         return tile.name not in self.tiles or self.tiles[tile.name][0].key != tile.key
@@ -130,14 +171,20 @@ def _is_on(view: TerrainView, x: float, y: float) -> bool:
 
 def _is_edit_of(old: TerrainView, new: TerrainView) -> bool:
     """Whether this is the same map, but for a few cells: its colours stay."""
-    places = (old.cell, old.origin, old.heights.shape), (new.cell, new.origin, new.heights.shape)
-    if places[0] != places[1]:
+    places = (old.cell, old.origin), (new.cell, new.origin)
+    return places[0] == places[1] and _are_alike(old.heights, new.heights)
+
+
+def _are_alike(old: Floats, new: Floats) -> bool:
+    """Whether most heights are the same."""
+    if old.shape != new.shape:
         return False
-    same = (old.heights == new.heights) | (np.isnan(old.heights) & np.isnan(new.heights))
+    same = (old == new) | (np.isnan(old) & np.isnan(new))
     return float(np.mean(~same)) < EDITED_MOST
 
 
 def _same_ground(a: TerrainView, b: TerrainView) -> bool:
     if a is b:
         return True
-    return a.revision == b.revision and a.heights is b.heights and a.forbidden is b.forbidden
+    same = a.heights is b.heights and a.forbidden is b.forbidden and a.whole is b.whole
+    return a.revision == b.revision and same

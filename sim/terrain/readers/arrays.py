@@ -16,15 +16,14 @@ from typing import IO, Any
 import numpy as np
 from numpy.lib import format as npy
 
-from walking_console.planner.types import Array
-
 from ..generators import CELL_MIN, GroundError
-from .raster import CELLS_MAX, Raster
+from ..wide_map import WIDE_CELLS_MAX
+from .raster import Raster, as_heights
 from .tables import NARROW, points_of
 
 HEADER_MAX = 4096  # bytes of an .npy header
 MEMBERS_MAX = 16  # of an .npz
-MEMBER_BYTES_MAX = 8 * CELLS_MAX + 2 * HEADER_MAX
+MEMBER_BYTES_MAX = 8 * WIDE_CELLS_MAX + 2 * HEADER_MAX
 NUMBER_KINDS = "fiu"  # of numpy: floating-point, whole, whole from 0 on
 HEIGHTS_NAMES = (
     "heights_exact", "heights", "height", "elevation", "z", "dem", "dtm", "terrain", "topo",
@@ -51,9 +50,9 @@ def _raster(
     latitude: float | None = None,
 ) -> Raster:
     """Heights (ny, nx); three columns and many rows are points, as in a table."""
-    heights = _as_heights(array)
+    heights = as_heights(array)
     if cell is None and heights.shape[-1] == 3 and len(heights) >= NARROW:
-        return points_of(heights)
+        return points_of(np.asarray(heights, dtype=np.float64))
     return Raster(heights, f"{array.dtype} array", cell, origin, latitude=latitude)
 
 
@@ -165,10 +164,6 @@ def _latitude(small: dict[str, Any], cell: tuple[float, float] | None) -> float 
     return None
 
 
-def _as_heights(array: Array) -> Array:
-    return np.asarray(array, dtype=np.float64)
-
-
 def _header(file: IO[bytes]) -> tuple[tuple[int, ...], Any]:
     """Shape and number type that an .npy stream says."""
     version = npy.read_magic(file)
@@ -193,9 +188,10 @@ def _array(file: IO[bytes], size: int) -> Any:
     if dtype.hasobject or dtype.kind not in NUMBER_KINDS:
         raise GroundError(f"numbers wanted, got {dtype}")
     count = math.prod(shape)
-    if len(_squeezed(shape)) > 2 or count > CELLS_MAX or any(n < 1 for n in shape):
+    if len(_squeezed(shape)) > 2 or count > WIDE_CELLS_MAX or any(n < 1 for n in shape):
         raise GroundError(
-            f"heights must be (ny, nx) with at most {CELLS_MAX} cells, got shape {tuple(shape)}"
+            f"heights must be (ny, nx) with at most {WIDE_CELLS_MAX} cells, "
+            f"got shape {tuple(shape)}"
         )
     if size < file.tell() + count * dtype.itemsize:
         raise GroundError(f"the file ends before its {count} numbers do")

@@ -19,7 +19,8 @@ from PIL import Image, UnidentifiedImageError
 from walking_console.planner.types import Array
 
 from ..generators import GroundError
-from .raster import Raster, check_size
+from ..wide_map import WIDE_CELLS_MAX
+from .raster import CELLS_MAX, Heights, Raster, as_heights, check_size
 
 GREY_MODES = {"1": 1.0, "L": 255.0, "I;16": 65535.0, "I": 65535.0}  # Pillow mode: level of white
 
@@ -28,16 +29,17 @@ FORMATS = ["PNG", "JPEG", "BMP", "PPM"]
 
 def read_picture(path: Path) -> Raster:
     """Grey levels as parts of white (0 to 1), north up; see-through pixels are NaN."""
+    levels: Heights
     with _opened(path) as picture:
         width, height = picture.size
-        check_size(height, width)
         mode = str(picture.mode)
+        check_size(height, width, WIDE_CELLS_MAX if mode in GREY_MODES else CELLS_MAX)
         deep = picture.format == "PNG" and _bits(path) == 16
         if deep and mode not in GREY_MODES:
             levels = _deep_colour(path)
             what = "16-bit picture"
         elif mode in GREY_MODES:
-            levels = np.asarray(picture, dtype=np.float64) / GREY_MODES[mode]
+            levels = as_heights(np.asarray(picture)) / GREY_MODES[mode]
             levels[levels == _clear_level(picture, path)] = np.nan
             what = f"{16 if GREY_MODES[mode] > 255.0 else 8}-bit grey picture"
         else:

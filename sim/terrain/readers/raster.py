@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..generators import GroundError
+from ..wide_map import WHOLE_CELLS_MAX
 
-CELLS_MAX = 36_000_000  # a file may hold: 6000 x 6000, 290 MB once read
+CELLS_MAX = 36_000_000  # a text, a mesh or a coloured picture may hold: 6000 x 6000
 FILE_BYTES_MAX = 512_000_000
+
+Heights = NDArray[np.floating[Any]]  # m, of single precision where the map is large
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +28,7 @@ class Raster:
     answer than the cells: heights rasterised from triangles at any cell size.
     """
 
-    heights: NDArray[np.float64]
+    heights: Heights
     what: str  # for the one line that says what was understood, such as "16-bit grey picture"
     cell: tuple[float, float] | None = None
     origin: tuple[float, float] | None = None
@@ -34,9 +38,18 @@ class Raster:
     surface: Callable[[float, float, str | None], Raster] | None = None  # scale, cell in m, up
 
 
-def check_size(ny: int, nx: int) -> None:
+def as_heights(values: NDArray[Any]) -> Heights:
+    """Numbers as heights: of single precision where they are more than a map that is held whole
+    has, as a wide map rounds them anyway.
+    """
+    if values.size > WHOLE_CELLS_MAX:
+        return np.asarray(values, dtype=np.float32)
+    return np.asarray(values, dtype=np.float64)
+
+
+def check_size(ny: int, nx: int, most: int = CELLS_MAX) -> None:
     """Refuse a grid that is too large to be read at all, before it is read."""
-    if ny * nx > CELLS_MAX:
-        raise GroundError(f"{nx} x {ny} cells; at most {CELLS_MAX} can be read from a file")
+    if ny * nx > most:
+        raise GroundError(f"{nx} x {ny} cells; at most {most} can be read from a file")
     if min(ny, nx) < 1:
         raise GroundError(f"{nx} x {ny} cells; at least 2 x 2 are wanted")

@@ -20,11 +20,10 @@ import numpy as np
 import tifffile
 from PIL import Image
 
-from walking_console.planner.types import Array
-
 from ..generators import GroundError
+from ..wide_map import WIDE_CELLS_MAX
 from .pictures import _one_level
-from .raster import Raster, check_size
+from .raster import CELLS_MAX, Heights, Raster, as_heights, check_size
 from .tiff_codecs import can_unpack, unpacked
 
 # what tifffile cannot make of a tag is no news to whoever brings the file
@@ -56,7 +55,8 @@ def read_tiff(path: Path) -> Raster:
             raise GroundError("there is no picture in it")
         page: Any = file.pages[0]
         shape = tuple(int(n) for n in page.shape)
-        check_size(shape[0], shape[1] if len(shape) > 1 else 1)
+        most = WIDE_CELLS_MAX if len(shape) == 2 else CELLS_MAX
+        check_size(shape[0], shape[1] if len(shape) > 1 else 1, most)
         values = _in_colours(_pixels(page, path), page)
         tags = {code: page.tags[code].value for code in _TAGS if code in page.tags}
         alpha = _has_alpha(page)
@@ -102,7 +102,7 @@ def _matrix(tags: dict[int, Any]) -> list[float]:
     return matrix
 
 
-def _north_up(heights: Array, matrix: Sequence[float]) -> Array:
+def _north_up(heights: Heights, matrix: Sequence[float]) -> Heights:
     """The row of least y and the column of least x first: of a picture whose rows run south, as
     most do, upside down.
     """
@@ -134,7 +134,7 @@ def _by_pillow(path: Path) -> Any:
         return None
 
 
-def _one_channel(values: Any, alpha: bool) -> Array:
+def _one_channel(values: Any, alpha: bool) -> Heights:
     """Heights (ny, nx) from a page of one channel, or of several equal ones; with ``alpha`` the
     last says where one sees through.
     """
@@ -152,7 +152,7 @@ def _one_channel(values: Any, alpha: bool) -> Array:
         raise GroundError(f"one channel of heights is wanted, got {values.shape[2]}: export one")
     if values.ndim != 2:
         raise GroundError(f"one channel of heights is wanted, got an array of shape {values.shape}")
-    return np.asarray(values, dtype=np.float64)
+    return as_heights(values)
 
 
 def _cell(tags: dict[int, Any]) -> tuple[float, float] | None:

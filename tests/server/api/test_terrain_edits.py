@@ -1,5 +1,6 @@
 """Terrain edits as they come in."""
 
+import io
 from typing import Any
 
 import numpy as np
@@ -61,3 +62,24 @@ def test_edits_that_come_faster_than_ticks_wait_for_one(
     assert max(waiting) == EDITS_A_TICK
     loop.tick()
     assert np.isnan(loop.newest.terrain.heights[10, 10 : 10 + 3 * EDITS_A_TICK]).all()
+
+
+def test_of_a_wide_map_any_cell_is_changed_and_the_window_says_where_it_lies(
+    client: TestClient, loop: RealtimeLoop
+) -> None:
+    wide = {"terrain": {"kind": "rough", "map_size": [200.0, 200.0]}, "robot": "titan3"}
+    answer = client.put("/api/v1/console/scenario", json={"scenario": wide})
+    assert answer.status_code == 200, answer.text
+    circle = {"x_m": 80.0, "y_m": -80.0, "radius_m": 0.3}
+    answer = client.patch("/api/v1/console/terrain", json={"action": "dig", "circle": circle})
+    loop.tick()
+    whole = loop.newest.terrain.whole
+    assert whole is not None and answer.json()["cells"] > 300
+    around = whole.read(slice(780, 820), slice(7180, 7220))
+    assert np.isnan(around).sum() == answer.json()["cells"]
+    outside = {"action": "dig", "cells": [[8000, 0]]}
+    assert client.patch("/api/v1/console/terrain", json=outside).status_code == 422
+    packed = np.load(io.BytesIO(client.get("/api/v1/console/terrain.npz").content))
+    row, column, rows, columns = packed["place"].tolist()
+    assert (rows, columns) == (8000, 8000)
+    assert packed["origin"].tolist() == pytest.approx([column * 0.025 - 100, row * 0.025 - 100])
