@@ -40,11 +40,12 @@ class Tolerances:
     # m and rad, what its position monitors and its posture sensor scatter by
     position_noise: float = 0.0
     posture_noise: float = 0.0
+    late: int = 0  # ticks that what it senses is old
 
     @property
     def scatters(self) -> bool:
-        """True when its sensors say something else every tick."""
-        return self.position_noise > 0.0 or self.posture_noise > 0.0
+        """True when its sensors say something else every tick, or say it late."""
+        return self.position_noise > 0.0 or self.posture_noise > 0.0 or self.late > 0
 
 
 # of a plant's tolerances, those a scenario may set

@@ -9,7 +9,7 @@ Body axes and angles as in ``foot_controller``.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -61,7 +61,7 @@ class CompliantController:
             return None
         controller = CompliantController(machine, config, law == "printed")
         if plant.scatters:
-            controller._senses.filter = SensorFilter(config.compliance.filter)
+            controller._senses.filter = SensorFilter(config.compliance.filter, plant.late)
             gains = controller._gains  # a foot in the air would follow what scatters
             controller._gains = replace(gains, swing=min(gains.swing, gains.position))
         return controller
@@ -105,6 +105,7 @@ class CompliantController:
     ) -> tuple[list[Point], ReflexState]:
         """One tick: the feet's velocities in body axes, m/s, that follow the plan to ``t_next``."""
         weight = self._senses.centre.weight
+        played = t_next - self._time if self._schedule else min(t_next, TICK)
         wanted = [weight * load for load in self._wanted(tracker, t_next)]
         self.loads = tuple(self._gains.press * load for load in wanted)
         before = self._aims or body_frame_feet(tracker, 0.0)
@@ -113,25 +114,33 @@ class CompliantController:
         ahead = [_scaled(_minus(a, b), 1.0 / TICK) for a, b in zip(aims, before, strict=True)]
         off = [_minus(b, foot) for b, foot in zip(before, sensing.feet_b, strict=True)]
         stretch = tracker.stretches[tracker.stretch(t_next)]
+        stand = (*stretch.stand, *_still_down(stretch, t_next, sensing))
         state = _with_landed(state, stretch, sensing)
         landed = [leg for leg in stretch.air if state.landed[leg]]
-        shares = [self._gains.position] * len(off)
-        for leg in stretch.air:
-            shares[leg] = self._gains.swing
-        out = [
-            _plus(v, _scaled(error, share / TICK))
-            for v, error, share in zip(ahead, off, shares, strict=True)
-        ]
-        if stretch.stand:
+        swinging = [leg for leg in stretch.air if leg not in stand]
+        out = self._followed(ahead, off, swinging)
+        if stand:
             if landed or not self._printed:
-                self._carry(out, stretch.stand, landed, sensing, ahead, off)
-            self._level(out, (*stretch.stand, *landed), sensing, _tilt(tracker, t_next, sensing))
-            _reach(out, (*stretch.stand, *landed), sensing, wanted, self._gains.pliancy)
+                self._carry(out, stand, landed, sensing, ahead, off)
+            self._level(out, (*stand, *landed), sensing, _tilt(tracker, t_next, sensing))
+            _reach(out, (*stand, *landed), sensing, wanted, self._gains.pliancy)
         if self._rest is not None:
             out = [_plus(v, rest) for v, rest in zip(out, self._rest, strict=True)]
             self._rest = None
-        self._senses.expect(out, tracker.bending_at(t_next))
+        x, y, z, turn = (played * rate for rate in tracker.velocity_at(t_next))
+        self._senses.expect(out, tracker.bending_at(t_next), (x, y, z, turn))
         return out, state
+
+    def _followed(
+        self, ahead: Sequence[Point], off: Sequence[Point], swinging: Collection[int]
+    ) -> list[Point]:
+        """The plan's velocities, with a share of what every foot is off closed in the tick."""
+        gains = self._gains
+        shares = (gains.swing if leg in swinging else gains.position for leg in range(len(off)))
+        return [
+            _plus(v, _scaled(error, share / TICK))
+            for v, error, share in zip(ahead, off, shares, strict=True)
+        ]
 
     def foresee(self, following: StepPlan | None) -> None:
         """What is played after the running plan, as soon as it is known."""
@@ -257,6 +266,11 @@ class RigidMotion(NamedTuple):
         x = spot[0] - self.middle[0]
         y = spot[1] - self.middle[1]
         return self.x - self.turn * y, self.y + self.turn * x, self.z
+
+
+def _still_down(stretch: PlanStretch, t: float, sensing: Sensing) -> list[int]:
+    """Legs that carry until the stretch begins: a plan may wait there for one that is to carry."""
+    return [leg for leg in stretch.air if sensing.soles[leg]] if t <= stretch.start else []
 
 
 def _tilt(tracker: TrajectoryTracker, t: float, sensing: Sensing) -> tuple[float, float]:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 from ..config import PlannerConfig, Tolerances
-from ..geometry.transforms import Body, attitude_of, direction
+from ..geometry.transforms import Body, attitude_of, direction, placed, seen
 from ..motion.body_bounds import bounds_of
 from ..motion.step_builder import holding_plan, with_feet
 from ..motion.swing_profile import gentle, legs_on_known_ground
@@ -23,6 +24,7 @@ AHEAD = 0.7  # cosine, 45°: a body further aside of its course than that is bes
 # m below the ground expected at which a foot has felt that there is none. Smaller: see false alarms
 # where the aim is hardly below the ground; larger: see it feel on over every hole
 FELT_BELOW = 0.005
+SCATTERED = 2.0  # of what position monitors scatter by, that a stance may be beside what it was
 FEELS_ON_MAX = 3  # ticks a foot feels on at its aim: one to get there, one to feel, one to say so
 
 
@@ -186,8 +188,8 @@ class Execution:
         )
 
     def in_the_air(self) -> list[int]:
-        """Swing legs that are in the air now."""
-        if self.on_all_feet:
+        """Swing legs that are in the air now: none of a plan that has not begun to lift them."""
+        if self.on_all_feet or self.t <= 0.0:
             return [leg for leg in self.plan.swing if leg in self.stance.lifted]
         return [leg for leg in self.plan.swing if not self.landed(leg)]
 
@@ -246,7 +248,8 @@ class Execution:
             off = max(off, *(abs(a - b) for a, b in zip(foot, wanted, strict=True)))
         if off <= self.tolerances.same_place:
             return expected
-        return replace(expected, body=(x, y, z, yaw), feet=feet)
+        moved = moved_whole(expected, (x, y, z, yaw), feet, self.tolerances)
+        return moved or replace(expected, body=(x, y, z, yaw), feet=feet)
 
     def remembered(
         self, sensing: Sensing, cut_short: StepPlan | None, lifted: tuple[int, ...] = ()
@@ -281,6 +284,34 @@ class Execution:
         x, y, yaw = sensing.body[0], sensing.body[1], sensing.body[5]
         gone = math.hypot(x - start[0], y - start[1], rho * (yaw - start[3]))
         return self.stance.course + min(gone / way, 1.0) * (plan.end.course - self.stance.course)
+
+
+def moved_whole(
+    expected: Stance, body: Body, feet: Sequence[Point], tolerances: Tolerances
+) -> Stance | None:
+    """The stance moved as a whole to where the body is; None when more than what sensors scatter is
+    left of its feet beside that, and of sensors that do not.
+    """
+    if not tolerances.scatters:
+        return None
+    ex, ey, ez, eyaw = expected.body
+    x, y, z, yaw = body
+    left = max(SCATTERED * tolerances.position_noise, tolerances.same_place)
+    if abs(z - ez) > left:
+        return None
+    if max(abs(x - ex), abs(y - ey), abs(yaw - eyaw)) <= tolerances.same_place:
+        at = expected
+    else:
+        pose = x, y, yaw
+        seen_from = (seen((ex, ey, eyaw), fx, fy) for fx, fy, _ in expected.feet)
+        places = (placed(pose, *foot) for foot in seen_from)
+        moved = tuple(
+            (fx, fy, foot[2]) for (fx, fy), foot in zip(places, expected.feet, strict=True)
+        )
+        at = replace(expected, body=(x, y, ez, yaw), feet=moved)
+    pairs = zip(feet, at.feet, strict=True)
+    near = all(abs(a - b) <= left for foot, spot in pairs for a, b in zip(foot, spot, strict=True))
+    return at if near else None
 
 
 def kept_stance(run: Execution) -> Stance:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..geometry.transforms import XY
+from ..geometry.transforms import XY, Body
 from ..robot.model import Machine
 from ..types import Point, Sensing
 from .centre_watch import CentreWatch
-from .sensor_filter import SensorFilter
+from .sensor_filter import STANDS, SensorFilter
 
 SLIP_TICKS = 50  # a slip is remembered; fewer: see it speed up and slip again
 
@@ -38,10 +38,10 @@ class Senses:
         self.centre.learn(sensing, self._acceleration)
         return self.centre.corrected(sensing)
 
-    def expect(self, velocities: Sequence[Point], acceleration: XY) -> None:
-        """What feet are told in the tick that begins, m/s in body axes, and how the plan has the
-        body speed up, m/s² in absolute axes.
+    def expect(self, velocities: Sequence[Point], acceleration: XY, moved: Body = STANDS) -> None:
+        """What feet are told in the tick that begins, m/s in body axes, how the plan has the body
+        speed up, m/s² in absolute axes, and how far it has it go.
         """
         self._acceleration = acceleration
         if self.filter is not None:
-            self.filter.expect(velocities)
+            self.filter.expect(velocities, moved)

@@ -109,6 +109,7 @@ class KinematicPlant:
             law="inertia",
             position_noise=noise.position,
             posture_noise=noise.posture,
+            late=noise.delay,
         )
 
     # -- what the machine senses

@@ -132,6 +132,7 @@ class PhysicsPlant:
             law="inertia",
             position_noise=noise.position,
             posture_noise=noise.posture,
+            late=noise.delay,
         )
 
     @property

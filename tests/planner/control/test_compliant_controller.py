@@ -1,7 +1,10 @@
 """Level C for a machine whose legs give."""
 
+from dataclasses import replace
+
 import pytest
 
+from tests.planner.control.plans import swing_plan
 from walking_console import load_machine
 from walking_console.planner.config import PlannerConfig
 from walking_console.planner.control.compliant_controller import CompliantController, RigidMotion
@@ -10,7 +13,7 @@ from walking_console.planner.control.tracking import TrajectoryTracker
 from walking_console.planner.motion.step_builder import holding_plan
 from walking_console.planner.stability import GRAVITY
 from walking_console.planner.statics import RAMP
-from walking_console.planner.types import TICK, Sensing, Stance
+from walking_console.planner.types import TICK, Phase, Sensing, Stance
 
 TITAN = load_machine("titan3")
 FEET = tuple((*leg.centre, 0.0) for leg in TITAN.legs)
@@ -66,6 +69,17 @@ def test_a_leg_that_carries_too_little_reaches_down_and_the_others_give_way():
     velocities, _ = told(reading(loads=(0.0, EVEN, EVEN, EVEN)))
     assert velocities[0][2] < 0.0 < velocities[1][2]
     assert sum(v[2] for v in velocities) == pytest.approx(0.0)
+
+
+def test_legs_still_to_rise_give_way_to_those_that_hang_while_the_plan_waits_for_them():
+    plan = swing_plan()
+    at_once = TrajectoryTracker(replace(plan, swing=(0, 1), phases=(Phase.UP, *plan.phases[1:])))
+    assert at_once.stretches[0].air == (0, 1)
+    hanging = reading(loads=())._replace(soles=(True, True, False, False))
+    controller = CompliantController(TITAN, PlannerConfig())
+    velocities, _ = controller.velocities(at_once, 0.0, hanging, ReflexState.begin(4))
+    assert velocities[2][2] < 0.0 < velocities[0][2]
+    assert velocities[3][2] < 0.0 < velocities[1][2]
 
 
 def test_the_end_of_a_plan_is_walked_in_the_tick_that_begins_the_next():

@@ -18,6 +18,7 @@ from tests.planner.control.plans import (
 )
 from walking_console.planner.config import Tolerances
 from walking_console.planner.control.execution import came_as_planned, feet_absolute
+from walking_console.planner.geometry.transforms import placed, seen
 from walking_console.planner.types import Phase
 
 
@@ -37,6 +38,45 @@ def test_a_machine_that_stands_otherwise_is_where_its_sensors_have_it():
     feet = ((FEET[0][0] + 0.05, *FEET[0][1:]), *FEET[1:])
     stance = execution().actual(sensed(feet=feet), STANCE)
     assert stance.feet[0] == pytest.approx(feet[0]) and stance.body == STANCE.body
+
+
+SCATTERING = Tolerances(same_place=0.005, position_noise=0.005)
+
+
+@pytest.mark.parametrize("off", [0.004, 0.012])
+def test_sensors_that_scatter_move_a_stance_as_a_whole_to_where_the_body_is(off):
+    turn = 0.02 if off > 0.005 else 0.0
+    places = [placed((off, 0.0, turn), x, y) for x, y, _ in FEET]
+    scattered = tuple((x + (-1) ** leg * 0.003, y, 0.0) for leg, (x, y) in enumerate(places))
+    reading = sensed(body=(off, 0.0, HEIGHT + 0.002, 0.0, 0.0, turn), feet=scattered)
+    stance = execution(plant=SCATTERING).actual(reading, STANCE)
+    if off <= SCATTERING.same_place:
+        assert stance is STANCE
+        return
+    assert stance.body == (off, 0.0, HEIGHT, turn)
+    for foot, before in zip(stance.feet, FEET, strict=True):
+        assert seen((off, 0.0, turn), *foot[:2]) == pytest.approx(before[:2])
+        assert foot[2] == before[2]
+    assert execution().actual(reading, STANCE).feet == feet_absolute(reading)
+
+
+@pytest.mark.parametrize("axis", [0, 2])
+def test_a_foot_that_is_off_by_more_than_they_scatter_is_where_they_have_it(axis):
+    foot = [*FEET[0]]
+    foot[axis] += 0.02
+    reading = sensed(feet=(tuple(foot), *FEET[1:]))
+    stance = execution(plant=SCATTERING).actual(reading, STANCE)
+    assert stance.feet[0] == pytest.approx(foot)
+
+
+def test_a_plan_that_has_not_begun_to_lift_its_legs_has_none_in_the_air():
+    run = execution()
+    plan = swing_plan()
+    at_once = replace(plan, phases=(Phase.UP, *plan.phases[1:]))
+    run.play(at_once)
+    assert run.in_the_air() == []
+    run.t = 0.01
+    assert run.in_the_air() == [0]
 
 
 def test_feet_are_placed_by_the_whole_posture():
