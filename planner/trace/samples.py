@@ -34,6 +34,14 @@ def run_start(mask: int, sample: int) -> int:
     return gaps.bit_length()
 
 
+def _run(mask: int, sample: int) -> int:
+    """The unbroken run of ``mask`` that contains ``sample``."""
+    ahead = mask >> sample
+    end = (~ahead & ahead + 1).bit_length() - 1 + sample
+    start = (~mask & (1 << sample) - 1).bit_length()
+    return (1 << end) - (1 << start)
+
+
 def span(first: int, last: int) -> int:
     """A mask of samples first..last; empty when last < first."""
     return ((1 << (last - first + 1)) - 1) << first if last >= first else 0
@@ -84,20 +92,20 @@ class SampleGrid:
         The body may go straight from one row to another at the same sample: what holds at both ends
         does so between.
         """
-        run = span(run_start(mask, sample), run_end(mask, sample))
-        if self.rows == 1:
+        run = _run(mask, sample)
+        if self.rows == 1 or run == mask:
             return run
         found = run
         fresh = run
+        width = self.width
         while fresh:
             beside = 0
-            for shift in range(self.width, self.rows * self.width, self.width):
+            for shift in range(width, self.rows * width, width):
                 beside |= fresh << shift | fresh >> shift
             beside &= mask & ~found
             fresh = 0
             while beside:
-                at = first_bit(beside)
-                run = span(run_start(mask, at), run_end(mask, at))
+                run = _run(mask, (beside & -beside).bit_length() - 1)
                 fresh |= run
                 beside &= ~run
             found |= fresh

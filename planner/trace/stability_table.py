@@ -35,6 +35,7 @@ class StabilityTable:
         pad = ((0, 0), (0, 1))
         self._x = np.pad(lane.x, pad).ravel()
         self._y = np.pad(lane.y, pad).ravel()
+        self._corners: list[tuple[float, float, int]] = []  # of footholds: x, y, number
         self._edges: dict[tuple[int, int], int] = {}
         # edges the machine is nearer to than the margin where it stands now
         self._least: dict[tuple[int, int], float] = {}
@@ -90,24 +91,28 @@ class StabilityTable:
 
     def _hull(self, feet: Footing) -> list[int]:
         """Footholds at the corners of the polygon of the standing feet, counter-clockwise."""
-        footholds = self.footholds
-        corners = sorted([(footholds[f].x, footholds[f].y, f) for f in feet if f >= 0])
+        known = self._corners
+        for hold in self.footholds[len(known) :]:
+            known.append((hold.x, hold.y, len(known)))
+        corners = sorted([known[f] for f in feet if f >= 0])
         if len(corners) < 3:
             return []
         hull: list[int] = []
         for side in (corners, corners[::-1]):
             chain: list[tuple[float, float, int]] = []
+            count = 0
             for corner in side:
-                x = corner[0]
-                y = corner[1]
-                while len(chain) > 1:
+                x, y, _ = corner
+                while count > 1:
                     ax, ay, _ = chain[-2]
                     bx, by, _ = chain[-1]
                     if (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0.0:
                         break
                     chain.pop()
+                    count -= 1
                 chain.append(corner)
-            hull += [corner[2] for corner in chain[:-1]]
+                count += 1
+            hull += [number for _, _, number in chain[:-1]]
         return hull
 
     def _edge(self, a: int, b: int) -> int:

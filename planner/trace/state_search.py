@@ -14,6 +14,7 @@ from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, replace
 from heapq import heappop, heappush
 from itertools import product
+from typing import NamedTuple
 
 from ..protocols import Weight
 from .footholds import AIR, Footing, legs_clear
@@ -83,11 +84,11 @@ def search(
     heap = met.heap
     paused = 0
     while heap and met.farthest < goal and met.count < limit:
-        value, _, state = heappop(heap)
-        place = met.place_of(state)
+        value, _, state, place = heappop(heap)
         more = False
+        code = met.code_of(state.feet)
         for leg in range(len(state.feet)):
-            found = successors(reachable, state, place, leg, met.places)
+            found = successors(met, state, place, leg, code)
             for nxt in found[:BATCH]:
                 met.enter(nxt, (state.feet, place))
             more = more or len(found) > BATCH
@@ -97,7 +98,7 @@ def search(
                 yield PAUSE_WEIGHT
         if more:
             met.serial += 1
-            heappush(heap, (value + BATCH_COST, met.serial, state))
+            heappush(heap, (value + BATCH_COST, met.serial, state, place))
     return met.path(met.farthest >= goal)
 
 
@@ -108,11 +109,14 @@ class _Met:
         self.reachable = reachable
         self.change_cost = change_cost
         self.changes: dict[StateKey, int] = {}  # from the first state
-        self.heap: list[tuple[float, int, SupportState]] = []
+        self.heap: list[tuple[float, int, SupportState, int]] = []  # with the place of each
         self.serial = 0
         self.came_from: dict[StateKey, StateKey | None] = {}
         self.state_of: dict[StateKey, SupportState] = {}
-        self.places: dict[Footing, int] = {}  # all samples a set of feet has been met in
+        self.places: dict[int, int] = {}  # all samples a set of feet, by its code, has been met in
+        self._bits = (len(reachable.footholds) + 1).bit_length()
+        self._shifts = [self._bits * leg for leg in reversed(range(len(reachable.by_leg)))]
+        self._puttings: dict[tuple[int, int, int], list[_Put]] = {}
         self.farthest = -1
         self.best: StateKey | None = None
 
@@ -128,7 +132,8 @@ class _Met:
             return False
         self.came_from[key] = parent
         self.state_of[key] = state
-        self.places[state.feet] = self.places.get(state.feet, 0) | place
+        code = self.code_of(state.feet)
+        self.places[code] = self.places.get(code, 0) | place
         end = reachable.samples.farthest(place)
         self.serial += 1
         worth = value_of(reachable, state.feet, end)
@@ -136,11 +141,42 @@ class _Met:
             changes = 0 if parent is None else self.changes[parent] + 1
             self.changes[key] = changes
             worth -= self.change_cost * changes
-        heappush(self.heap, (-worth, self.serial, state))
+        heappush(self.heap, (-worth, self.serial, state, place))
         if end > self.farthest:
             self.best = key
             self.farthest = end
         return True
+
+    def code_of(self, feet: Footing) -> int:
+        """A set of feet as one number: looked up more quickly, and changed by one addition."""
+        code = 0
+        for f in feet:
+            code = code << self._bits | (f + 1)
+        return code
+
+    def placed(self, leg: int, f: int) -> int:
+        """What a leg's foothold counts for in the code of a set of feet."""
+        return (f + 1) << self._shifts[leg]
+
+    def puttings(self, feet: Footing, leg: int) -> list[_Put]:
+        """Footholds of a leg that exist somewhere where those of the two legs before it do: of all
+        there are, few come into question.
+        """
+        key = (leg, feet[leg - 1], feet[leg - 2])
+        found = self._puttings.get(key)
+        if found is None:
+            reachable = self.reachable
+            existence = reachable.existence
+            window = reachable.samples.all
+            for f in key[1:]:
+                if f >= 0:
+                    window &= existence[f]
+            found = self._puttings[key] = [
+                _Put(g, existence[g], self.placed(leg, g))
+                for g in reachable.by_leg[leg]
+                if window & existence[g]
+            ]
+        return found
 
     @property
     def count(self) -> int:
@@ -180,43 +216,66 @@ def value_of(reachable: Reachability, feet: Footing, end: int) -> float:
     return end + LIFE_WEIGHT * life / len(feet)
 
 
+class _Put(NamedTuple):
+    """A leg put down: on which foothold, in which samples, and what that counts for in a code."""
+
+    foothold: int
+    samples: int
+    code: int
+
+
 def successors(
-    reachable: Reachability, state: SupportState, place: int, leg: int, met: dict[Footing, int]
+    met: _Met, state: SupportState, place: int, leg: int, code: int
 ) -> list[SupportState]:
     """States one change of ``leg`` away, those that last longest first: moved, put down, or lifted
     when it must leave.
 
     ``met`` says in which samples a set of feet has been met before; only what is new is returned.
+    ``code`` is that of the state's feet.
     """
     feet, at = state
-    holds = reachable.footholds
-    existence = reachable.existence
-    radius = reachable.machine.foot_radius
-    has_tall = reachable.clearance.has_tall
+    reachable = met.reachable
     f = feet[leg]
-    fore = feet[:leg]
-    aft = feet[leg + 1 :]
-    rest = (*fore, AIR, *aft)
+    rest = (*feet[:leg], AIR, *feet[leg + 1 :])
     found: list[tuple[int, Footing, int]] = []
     window = place
     if f >= 0:
         window &= reachable.carries(rest)
         if not window:
             return []
-        found += _lifted(reachable, rest, place, window & ~met.get(rest, 0))
-    for g in reachable.by_leg[leg]:
-        both = window & existence[g]
-        if both and g != f:
-            new = (*fore, g, *aft)
-            fresh = both & ~met.get(new, 0)
-            if (
-                fresh
-                and legs_clear(holds, rest, holds[g], radius)
-                and not (has_tall and f >= 0 and not reachable.crosses(f, g))
-            ):
-                found.append((holds[g].last, new, fresh))
+        code -= met.placed(leg, f)
+        lifted = window & ~met.places.get(code, 0)
+        if lifted:
+            found += _lifted(reachable, rest, place, lifted)
+    found += _put_down(met, feet, leg, window, code)
     found.sort(key=_lasting, reverse=True)
     return [SupportState(new, reachable.samples.nearest(fresh, at)) for _, new, fresh in found]
+
+
+def _put_down(
+    met: _Met, feet: Footing, leg: int, window: int, code: int
+) -> Iterator[tuple[int, Footing, int]]:
+    """The leg on every other foothold of its own, wherever in the window it exists; ``code`` is
+    that of the other feet.
+    """
+    reachable = met.reachable
+    places = met.places
+    holds = reachable.footholds
+    radius = reachable.machine.foot_radius
+    f = feet[leg]
+    crossing = f >= 0 and reachable.clearance.has_tall
+    for g, samples, placed in met.puttings(feet, leg):
+        fresh = window & samples
+        if not fresh or g == f:
+            continue
+        new = code + placed
+        if new in places:
+            fresh &= ~places[new]
+        if not fresh or (crossing and not reachable.crosses(f, g)):
+            continue
+        rest = (*feet[:leg], AIR, *feet[leg + 1 :])
+        if legs_clear(holds, rest, holds[g], radius):
+            yield holds[g].last, (*feet[:leg], g, *feet[leg + 1 :]), fresh
 
 
 def _lifted(
@@ -254,8 +313,8 @@ def search_rigid(
     heap = met.heap
     paused = 0
     while heap and met.farthest < goal and met.count < limit:
-        _, _, state = heappop(heap)
-        key = (state.feet, met.place_of(state))
+        _, _, state, place = heappop(heap)
+        key = (state.feet, place)
         group = groups[phase[key] % len(groups)]
         for nxt in moved_together(reachable, state, key[1], group):
             if met.enter(nxt, key):
