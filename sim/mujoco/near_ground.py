@@ -38,9 +38,9 @@ class NearGround:
     def __init__(self, ground: Ground, foot: float, torso: float) -> None:
         boxes = merged(ground.heights)
         self.places, self.sizes = _shapes(ground, boxes)
-        self.tops = np.array([box.height for box in boxes])
+        self.tops = boxes.height
         self.top = float(self.tops.max(initial=-math.inf))
-        self._number = _numbers(ground.heights.shape, boxes)
+        self._number = boxes.number
         self._corner = ground.origin
         self._cell = ground.cell
         self._about_foot = math.ceil((foot + REACH) / ground.cell)
@@ -80,7 +80,7 @@ class NearGround:
             self._about = frozenset(near[self.tops[near] >= level * REACH].tolist())
         return self._about
 
-    def _within(self, cell: _Cell, reach: int) -> NDArray[np.int32]:
+    def _within(self, cell: _Cell, reach: int) -> NDArray[np.intp]:
         """Numbers of the boxes in the square of ``reach`` cells around one, each once."""
         row, column = cell
         part = self._number[
@@ -108,22 +108,13 @@ def lay(model: Any, pool: int, ground: NearGround, numbers: Sequence[int]) -> No
     model.geom_contype[count:pool] = 0
 
 
-def _shapes(ground: Ground, boxes: Sequence[MergedCells]) -> tuple[_Floats, _Floats]:
+def _shapes(ground: Ground, boxes: MergedCells) -> tuple[_Floats, _Floats]:
     """Middles and half sizes of boxes, (n, 3), m."""
-    table = np.array(boxes, dtype=np.float64).reshape(-1, 5)
-    r0, r1, c0, c1, height = table.T
+    r0, r1, c0, c1, height, _ = boxes
     x, y = ground.origin
+    cell = ground.cell
     bottom = height.min(initial=math.inf) - THICK
-    size = np.column_stack([(c1 - c0) * ground.cell, (r1 - r0) * ground.cell, height - bottom]) / 2
-    corner = np.column_stack(
-        [x + c0 * ground.cell, y + r0 * ground.cell, np.full_like(height, bottom)]
-    )
-    return corner + size, size
-
-
-def _numbers(shape: tuple[int, ...], boxes: Sequence[MergedCells]) -> NDArray[np.int32]:
-    """The number of every cell's box, (ny, nx), −1 where there is none."""
-    numbers = np.full(shape, -1, dtype=np.int32)
-    for number, box in enumerate(boxes):
-        numbers[box.r0 : box.r1, box.c0 : box.c1] = number
-    return numbers
+    size = np.column_stack([(c1 - c0) * cell, (r1 - r0) * cell, height - bottom]) / 2
+    return np.column_stack(
+        [x + c0 * cell, y + r0 * cell, np.full_like(height, bottom)]
+    ) + size, size

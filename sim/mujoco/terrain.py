@@ -8,7 +8,6 @@ in one is a pit that begins half a cell too early.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,41 +21,49 @@ PIT = 1.0  # m, depth of a hole in a height field
 AWAY = 1e4  # m below, where a shape of a pool is before it is a box
 GROUND = 1  # contact bit
 
+_Numbers = NDArray[np.intp]
+
 
 class MergedCells(NamedTuple):
-    """Cells of one height: rows r0 <= r < r1, columns c0 <= c < c1."""
+    """Cells of one height: boxes of rows r0 <= r < r1 and columns c0 <= c < c1, all (n,), and
+    ``number`` (ny, nx), which box a cell is in, −1 over a hole.
+    """
 
-    r0: int
-    r1: int
-    c0: int
-    c1: int
-    height: float
+    r0: _Numbers
+    r1: _Numbers
+    c0: _Numbers
+    c1: _Numbers
+    height: NDArray[np.float64]
+    number: _Numbers
 
 
-def merged(heights: NDArray[np.float64]) -> list[MergedCells]:
+def merged(heights: NDArray[np.float64]) -> MergedCells:
     """Cells of equal height as rectangles: runs along each row, joined with equal runs below."""
-    done: list[MergedCells] = []
-    current: dict[tuple[int, int, float], int] = {}
-    for row in range(heights.shape[0]):
-        runs = dict.fromkeys(_runs(heights[row]), row)
-        for run, begun in current.items():
-            if run in runs:
-                runs[run] = begun
-            else:
-                done.append(MergedCells(begun, row, *run))
-        current = runs
-    rows = heights.shape[0]
-    done += [MergedCells(begun, rows, *run) for run, begun in current.items()]
-    return sorted(done)
-
-
-def _runs(row: NDArray[np.float64]) -> Iterator[tuple[int, int, float]]:
-    """Columns from, to, and height of each stretch of equal cells; holes are left out."""
-    marked = np.where(np.isnan(row), np.inf, row)
-    ends = [0, *(np.nonzero(marked[1:] != marked[:-1])[0] + 1).tolist(), len(row)]
-    for c0, c1 in zip(ends, ends[1:], strict=False):
-        if np.isfinite(marked[c0]):
-            yield c0, c1, float(row[c0])
+    solid = ~np.isnan(heights)
+    first = solid.copy()
+    first[:, 1:] &= heights[:, 1:] != heights[:, :-1]
+    run = np.cumsum(first.ravel())[solid.ravel()] - 1  # of every solid cell
+    row, c0 = np.nonzero(first)
+    c1 = c0 + np.bincount(run, minlength=len(row))
+    height = heights[first]
+    # runs that are alike one after the other, from above: each that does not go on begins a box
+    order = np.lexsort((row, height, c1, c0))
+    alike = np.ones(max(0, len(order) - 1), dtype=bool)
+    for key, far in ((c0, 0), (c1, 0), (height, 0), (row, 1)):
+        alike &= key[order[1:]] == key[order[:-1]] + far
+    begins = np.flatnonzero(np.append(True, ~alike)[: len(order)])
+    tops = order[begins]
+    ends = order[np.append(begins[1:], len(order)) - 1] if len(order) else tops
+    boxes = (row[tops], row[ends] + 1, c0[tops], c1[tops], height[tops])
+    ranked = np.lexsort(boxes[::-1])
+    rank = np.empty(len(ranked), dtype=np.intp)
+    rank[ranked] = np.arange(len(ranked))
+    of_run = np.empty(len(order), dtype=np.intp)
+    of_run[order] = np.repeat(rank, np.diff(np.append(begins, len(order))))
+    number = np.full(heights.shape, -1, dtype=np.intp)
+    number[solid] = of_run[run]
+    r0, r1, c0, c1 = (side[ranked] for side in boxes[:4])
+    return MergedCells(r0, r1, c0, c1, boxes[4][ranked], number)
 
 
 def add_ground(spec: Any, ground: Ground, pool: int, contact: dict[str, Any]) -> None:

@@ -38,19 +38,53 @@ def height_by_ray(model, x, y):
     return math.nan if far < 0 else 20.0 - far
 
 
+def merged_one_by_one(heights):
+    """The boxes as one would draw them: a run of equal cells, as far down as it goes on."""
+    rows, columns = heights.shape
+    runs = set()
+    for row in range(rows):
+        ends = [
+            0,
+            *(c for c in range(1, columns) if heights[row, c] != heights[row, c - 1]),
+            columns,
+        ]
+        for c0, c1 in zip(ends, ends[1:], strict=False):
+            if not math.isnan(heights[row, c0]):
+                runs.add((row, c0, c1, heights[row, c0]))
+    boxes = []
+    for row, *run in sorted(runs):
+        if (row - 1, *run) not in runs:
+            end = row
+            while (end, *run) in runs:
+                end += 1
+            boxes.append((row, end, *run))
+    return sorted(boxes)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_boxes_are_runs_of_equal_cells_joined_downwards_in_order(seed):
+    chance = np.random.default_rng(seed)
+    heights = chance.choice([0.0, 0.1, np.nan], size=(20, 30), p=[0.6, 0.2, 0.2])
+    assert list(zip(*merged(heights)[:5], strict=True)) == merged_one_by_one(heights)
+
+
 def test_rectangles_cover_every_cell_once_and_no_hole():
     chance = np.random.default_rng(1)
     heights = chance.choice([0.0, 0.1, np.nan], size=(20, 30))
     covered = np.full(heights.shape, np.nan)
-    for box in merged(heights):
-        patch = covered[box.r0 : box.r1, box.c0 : box.c1]
+    boxes = merged(heights)
+    for number, (r0, r1, c0, c1, height) in enumerate(zip(*boxes[:5], strict=True)):
+        patch = covered[r0:r1, c0:c1]
         assert np.isnan(patch).all()
-        patch[:] = box.height
+        patch[:] = height
+        assert (boxes.number[r0:r1, c0:c1] == number).all()
     assert np.array_equal(covered, heights, equal_nan=True)
+    assert np.array_equal(boxes.number < 0, np.isnan(heights))
 
 
-def test_level_ground_is_one_box():
-    assert len(merged(np.zeros((50, 60)))) == 1
+def test_level_ground_is_one_box_and_no_ground_none():
+    assert len(merged(np.zeros((50, 60))).height) == 1
+    assert len(merged(np.full((50, 60), np.nan)).height) == 0
 
 
 def test_boxes_stand_where_the_cells_are_and_a_hole_has_no_bottom():
