@@ -110,6 +110,10 @@ class SearchContext:
         """What refuses footholds for their height; None where there are no heights to mind."""
         return None if node.stand is None else self._checks_at(node).refuses
 
+    def has_room(self, node: Node, shift: BodyShift) -> bool:
+        """False for a four-leg shift into something tall."""
+        return node.stand is None or not self._checks_at(node).is_barred(shift)
+
     def _checks_at(self, node: Node) -> FootholdChecks:
         if self._latest[0] is not node:
             self._latest = node, FootholdChecks(node.posture, self.request, node.stance)

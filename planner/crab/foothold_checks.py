@@ -20,13 +20,14 @@ from ..motion.body_height import (
     torso_clearance,
 )
 from ..motion.step_builder import with_feet
+from ..motion.sway_room import shift_is_barred
 from ..motion.swing import CLEARANCE
 from ..robot.collision import SteppingLegs, something_tall
 from ..search import Work
 from ..types import Point, Stance
 from .gait import Posture
 from .step_refusals import StepRefusal
-from .steps import Landing, Shift, StepRequest, SwingStep
+from .steps import BodyShift, Landing, Shift, StepRequest, SwingStep
 
 LEVEL = 0.005  # m; feet this close to the height of level ground stand on it: no height to plan
 CLIMB = 0.4  # m the body may rise or sink per m of an arc
@@ -186,6 +187,13 @@ class FootholdChecks:
         """How high a foot can be lifted in this step, δz above the control reach included, m."""
         low = min(self.stance.body[2], height)
         return low + self.machine.z_range[1] + self.machine.overreach[2]
+
+    def is_barred(self, shift: BodyShift) -> bool:
+        """True when a four-leg shift leads a leg, or the torso, into something tall."""
+        if self.legs_among_tall is None:
+            return False
+        place = self.posture.absolute(shift.x, shift.y)
+        return shift_is_barred(self.terrain, self.machine, self.stance, place)
 
     def torso_needs(self, g: float, height: float) -> float:
         """Lowest CoG at N_{k+1} at which the torso clears the ground there, m; -inf when ``height``

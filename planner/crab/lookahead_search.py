@@ -159,7 +159,7 @@ def look_wide(context: SearchContext) -> StepSearch:
 def any_steps(context: SearchContext, node: Node, short: bool = True) -> Iterator[Candidate]:
     """Any foothold in reach and the four-leg shifts, one by one: all at once is a long slice."""
     yield from wide_steps(context, node, short)
-    yield from body_shifts(node.posture)
+    yield from (shift for shift in body_shifts(node.posture) if context.has_room(node, shift))
 
 
 def _options(

@@ -11,7 +11,6 @@ from functools import partial
 
 from ..motion.body_sway import swayed
 from ..motion.steady_course import holding, steadied
-from ..motion.swing_profile import legs_on_known_ground
 from ..navigation.local_planner import LocalPlanner, RouteState
 from ..protocols import (
     BodyAttitude,
@@ -100,8 +99,7 @@ class CrabPlanner(Planner):
         if isinstance(answer, Blocked):
             return answer
         ahead = expected_supports(answer, command, self._machine, self._gait)
-        known = legs_on_known_ground(answer, terrain)
-        return swayed(answer, stance, ahead, self._gait, self._machine, known)
+        return swayed(answer, stance, ahead, self._gait, self._machine, terrain)
 
     def heed(self, command: Command) -> Command:
         return self._local.heed(command)

@@ -9,14 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import replace
 from itertools import chain
 
 from ..decision_log import DecisionLog
 from ..geometry.paths import arc_exit, corners_of_box, line_exit
 from ..geometry.transforms import XY, turned_back
 from ..motion.quarter_turns import quarter_turned
-from ..motion.step_builder import plan_of_one_foot, plan_on_all_feet
+from ..motion.step_builder import plan_of_one_foot, shift_plan
 from ..motion.strides import STRETCHED_LIFT_ROOM
 from ..motion.swing import SwingCorners, lift, profile_of
 from ..motion.timing import (
@@ -123,30 +122,19 @@ def body_shift_plan(
     """The plan of a four-leg shift: the body goes straight, at its height, no faster than the
     nominal walk in that direction.
     """
-    nominal, stance = checks.nominal, checks.stance
-    x, y, z, yaw = stance.body
-    end_x, end_y = checks.posture.absolute(shift.x, shift.y)
-    way = math.hypot(shift.x, shift.y)
+    nominal, (x, y, _, yaw) = checks.nominal, checks.stance.body
+    place = end_x, end_y = checks.posture.absolute(shift.x, shift.y)
     course = math.atan2(end_y - y, end_x - x) - yaw
     speed_max = cruise_speed(checks.machine, checks.gait, math.remainder(course, 2 * math.pi))
-    speed = min(speed_max, speed) if speed > 0.0 else speed_max
-    end = replace(
-        stance,
-        body=(end_x, end_y, z, yaw),
-        quarter_turns=nominal.quarter_turns,
-        course=stance.course + way,
-    )
-    return plan_on_all_feet(
-        stance,
-        (0.0, way / speed),
-        (stance.body, end.body),
-        end,
+    return shift_plan(
+        checks.stance,
+        place,
+        nominal.quarter_turns,
         crab_angle=course,
-        support_shift=way,
-        shift=way,
+        shift=math.hypot(shift.x, shift.y),
         standard_margin=nominal.margin,
         margin_min=shift.margin,
-        speed=speed,
+        speed=min(speed_max, speed) if speed > 0.0 else speed_max,
         speed_max=speed_max,
         decision=log,
     )

@@ -165,7 +165,8 @@ class TurnSearch:
                 yield step
         may_shift = depth == 0 or depth < self.anywhere or len(stuck) == 4
         if not found or (not node.shifted and may_shift):
-            yield from self.body_shifts(node, stuck)
+            shifts = self.body_shifts(node, stuck)
+            yield from (s for s in shifts if depth > 0 or not self.checks.is_barred(s))
 
     def shift_of(self, node: TurnNode, leg: int) -> Shift | None:
         """g0, g and the inset kept when ``leg`` swings; None when it cannot."""

@@ -116,6 +116,11 @@ def turned_back_by(matrix: Matrix, vector: Point) -> Point:
     )
 
 
+def tilted(tilt: Matrix | None, seen: Point) -> Point:
+    """A vector in the axes of a level body in those of one that is tilted so."""
+    return seen if tilt is None else turned_back_by(tilt, seen)
+
+
 def attitude_of(gradient: XY, yaw: float) -> XY:
     """Roll and pitch, rad, of a body at ``yaw`` whose floor has this gradient along absolute x and
     y, m per m.

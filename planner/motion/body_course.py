@@ -14,31 +14,20 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from ..geometry.polygons import Polygon
-from ..geometry.transforms import (
-    XY,
-    Body,
-    Matrix,
-    Point,
-    direction,
-    point_seen,
-    tilt_of,
-    turned_back,
-    turned_back_by,
-    turned_by,
-)
+from ..geometry.transforms import XY, Body, Point, direction, tilt_of, turned_back_by, turned_by
 from ..robot.model import Machine
 from ..stability import polygon_margin, support_polygon
 from ..statics import centre_of_gravity
+from ..terrain.map import TerrainMap
 from ..types import Phase, Stance, StepPlan
 from .body_path import OFFSET_MAX, lateral_bounds, meeting, nearest_edge_normal
 from .body_tilt import LEVEL, Lean
+from .sway_room import SAFE, SwayRoom
 
 STILL = 1e-9  # m; a reference that goes no farther stands
 STRAIGHT = 1e-9  # m and rad that a straight reference may be off its line
 NUDGE = 0.01  # m
-SAFE = 0.002  # m of mechanical reach that is left
 HALVES = 5  # of a way onward that leads too far, until there is none
-SLANT_MIN = 0.05  # of the sway along an axis of the body; less is none
 APART = 0.008  # m between places of a reference; nearer ones: see it swing to and fro
 FLAT_MIN = 0.3  # of way over the ground per metre of a reference; one with less turns or climbs
 
@@ -65,7 +54,7 @@ class Course:
         centres: tuple[XY, XY],
         lift: int,
         carries_along: float,
-        machine: Machine,
+        room: SwayRoom,
         standing: tuple[Sequence[Point | None], Sequence[Point | None]],
         leans: tuple[Lean, Lean, Lean],
     ) -> None:
@@ -87,14 +76,18 @@ class Course:
         # of the centre of gravity from the body when a leg lifts, and at the end, absolute axes
         self.centres = centres
         self.carries_along = carries_along
-        self._machine = machine
+        self._room = room
         self._standing = standing  # the feet that stand before, and after, a leg lifts
         self.leans = leans  # of the body at the beginning, when a leg lifts, and at the end
         self.aside = math.pi / 2  # rad, from the course to the direction in which the body sways
 
     @classmethod
-    def of(cls, plan: StepPlan, stance: Stance, machine: Machine) -> Course:
-        """That of a plan as it was decided."""
+    def of(
+        cls, plan: StepPlan, stance: Stance, machine: Machine, terrain: TerrainMap | None = None
+    ) -> Course:
+        """That of a plan as it was decided; ``terrain`` is the ground it leads over, where it is to
+        keep clear of what stands tall there.
+        """
         legs = range(len(stance.feet))
         standing = support_polygon(stance.feet[leg] for leg in legs if leg not in stance.lifted)
         first = first_swing(plan.phases)
@@ -111,7 +104,8 @@ class Course:
         share = _carried_along(machine, reference[lift], feet[lift], (lifting, leans[1]))
         on = _feet_but(stance, stance.lifted), _feet_but(stance, plan.swing)
         polygons = standing, swinging
-        return cls(reference, plan.crab_angle, polygons, centres, lifts, share, machine, on, leans)
+        room = SwayRoom.about(stance, machine, terrain)
+        return cls(reference, plan.crab_angle, polygons, centres, lifts, share, room, on, leans)
 
     @property
     def leaning(self) -> bool:
@@ -210,38 +204,20 @@ class Course:
         return meeting(self.in_reach(when, along), wanted)
 
     def in_reach(self, when: Moment, along: float = 0.0) -> XY:
-        """The offsets at which every foot that stands is within its leg's mechanical reach."""
+        """The offsets at which every foot that stands is within its leg's mechanical reach, and no
+        leg nor the torso in something tall.
+        """
         x, y, z, yaw = self.at(when.length)
-        sx, sy = self.side(when.length)
+        sx, sy = side = self.side(when.length)
         lx, ly = when.lean
-        climb = lx * sx + ly * sy
         body = x + along * sy, y - along * sx, z + along * (lx * sy - ly * sx), yaw
-        tilt = None if when.lean == LEVEL else tilt_of(when.lean, yaw)
-        ahead, left, _ = tilted(tilt, (*turned_back(sx, sy, yaw), climb))
-        over_x, over_y, _ = self._machine.overreach
-        low, high = -OFFSET_MAX, OFFSET_MAX
-        for leg, foot in zip(self._machine.legs, when.feet, strict=True):
-            if foot is None:
-                continue
-            seen_x, seen_y, _ = tilted(tilt, point_seen(body, foot))
-            for place, (begin, end), over, rate in (
-                (seen_x, leg.x, over_x, ahead),
-                (seen_y, leg.y, over_y, left),
-            ):
-                if abs(rate) > SLANT_MIN:
-                    ends = (place - end - over + SAFE) / rate, (place - begin + over - SAFE) / rate
-                    low = max(low, min(ends))
-                    high = min(high, max(ends))
-        if low <= high:
-            return low, high
-        middle = min(max((low + high) / 2.0, -OFFSET_MAX), OFFSET_MAX)
-        return middle, middle
+        return self._room.offsets(body, side, when.feet, when.lean)
 
     def beyond(self, body: Body, lifted: bool, lean: Lean = LEVEL) -> float:
         """How far the farthest foot that stands before, or after, a leg is ``lifted`` is outside of
         its leg's mechanical reach with the body there, m; negative inside.
         """
-        return _beyond(self._machine, body, self._standing[lifted], lean)
+        return self._room.beyond(body, self._standing[lifted], lean)
 
     def within_reach(self, length: float) -> float:
         """A length of the reference, or what of it is left in halves of it until every foot that
@@ -306,36 +282,6 @@ class Course:
         return k, share if share < 1.0 else 1.0
 
 
-def _beyond(
-    machine: Machine, body: Body, feet: Sequence[Point | None], lean: Lean = LEVEL
-) -> float:
-    """How far the farthest of feet is outside of its leg's mechanical reach, m."""
-    over_x, over_y, _ = machine.overreach
-    x, y, z, yaw = body
-    c, s = direction(yaw)
-    tilt = None if lean == LEVEL else tilt_of(lean, yaw)
-    most = -math.inf
-    for leg, foot in zip(machine.legs, feet, strict=True):
-        if foot is None:
-            continue
-        dx = foot[0] - x
-        dy = foot[1] - y
-        ahead = c * dx + s * dy
-        aside = c * dy - s * dx
-        if tilt is not None:
-            ahead, aside, _ = turned_back_by(tilt, (ahead, aside, foot[2] - z))
-        x_low, x_high = leg.x
-        y_low, y_high = leg.y
-        most = max(
-            most,
-            ahead - x_high - over_x,
-            x_low - over_x - ahead,
-            aside - y_high - over_y,
-            y_low - over_y - aside,
-        )
-    return most
-
-
 def centre_over(
     machine: Machine, body: Body, feet: Sequence[Sequence[float]], lean: Lean = LEVEL
 ) -> XY:
@@ -352,11 +298,6 @@ def centre_over(
     centre = centre_of_gravity(machine, seen)
     x, y, _ = centre if tilt is None else turned_by(tilt, centre)
     return c * x - s * y, s * x + c * y
-
-
-def tilted(tilt: Matrix | None, seen: Point) -> Point:
-    """A vector in the axes of a level body in those of one that is tilted so."""
-    return seen if tilt is None else turned_back_by(tilt, seen)
 
 
 def _leans(plan: StepPlan, lift: int) -> tuple[Lean, Lean, Lean]:

@@ -30,6 +30,7 @@ from ..geometry.transforms import (
 )
 from ..robot.model import Machine
 from ..stability import polygon_margin
+from ..terrain.map import TerrainMap
 from ..types import Gait, Phase, Point, Stance, StepPlan
 from .body_bounds import Bounds, bounds_of, room_ahead
 from .body_course import FLAT_MIN, STILL, Course, centre_over, first_swing
@@ -46,7 +47,13 @@ from .body_path import (
 )
 from .body_tilt import LEVEL, Lean
 from .step_builder import as_feet, as_table, changed
-from .swing_profile import SwingTable, as_planned, cubic_between, smooth_swing
+from .swing_profile import (
+    SwingTable,
+    as_planned,
+    cubic_between,
+    legs_on_known_ground,
+    smooth_swing,
+)
 
 LACK = 0.002  # m of margin that a wait on all feet is taken for, if it brings as much
 SPARE = 0.002  # m more than the wanted margin: rounding and what a cubic bends between gates
@@ -88,17 +95,19 @@ def swayed(
     ahead: Sequence[SupportPhase],
     gait: Gait,
     machine: Machine,
-    known: Collection[int] = (),
+    terrain: TerrainMap | None = None,
 ) -> StepPlan:
     """The plan with the body on its smooth way from where ``stance`` has it.
 
-    ``ahead`` are the supports expected after the step, times counted from its end, ``known`` the
-    legs that land on known ground. A body that leans sways along its floor.
+    ``ahead`` are the supports expected after the step, times counted from its end. On a ``terrain``
+    legs come down gently only where it is known, and the body sways into nothing tall. A body that
+    leans sways along its floor.
     """
     if not gait.sways:
         return plan
     bounds = bounds_of(stance, gait)
-    course = Course.of(plan, stance, machine)
+    course = Course.of(plan, stance, machine, terrain)
+    known: Collection[int] = () if terrain is None else legs_on_known_ground(plan, terrain)
     swing = smooth_swing(plan, machine, known) if gait.smooth else as_planned(plan)
     table = _Table.of(swing, course, stance, bounds)
     task = _Task(course, stance, ahead, bounds, machine)

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple, TypedDict, Unpack
 
 import numpy as np
 
-from ..geometry.transforms import Body
+from ..geometry.transforms import XY, Body
 from ..types import TICK, Array, Departure, Phase, Point, Stance, StepPlan
 from .swing import Profile, between
 
@@ -166,6 +166,25 @@ def plan_on_all_feet(
     phases = (Phase.SHIFT,) * (len(times) - 1)
     feet = [stance.feet] * len(times)
     return plan_from_knots(stance.lifted, times, body, feet, phases, end, **facts)
+
+
+def shift_plan(
+    stance: Stance, place: XY, quarter_turns: int, **facts: Unpack[StepFacts]
+) -> StepPlan:
+    """The plan of a body that goes straight to a place on all its feet, at its height, as far and
+    as fast as ``facts`` say: ``shift``, m, and ``speed``, m/s.
+    """
+    _, _, z, yaw = stance.body
+    way = facts["shift"]
+    end = replace(
+        stance,
+        body=(*place, z, yaw),
+        quarter_turns=quarter_turns,
+        course=stance.course + way,
+    )
+    facts["support_shift"] = way
+    times = (0.0, way / facts["speed"])
+    return plan_on_all_feet(stance, times, (stance.body, end.body), end, **facts)
 
 
 def holding_plan(stance: Stance, **facts: Unpack[StepFacts]) -> StepPlan:

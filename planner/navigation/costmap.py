@@ -297,8 +297,8 @@ class Costmap:
         )
 
     def _walls(self, solid: Cover) -> Cover | None:
-        """Ground a leg cannot be lifted over from the lowest ground around, seen or supposed; None
-        when there is none.
+        """Ground a leg cannot be lifted over from the lowest ground around, seen or supposed, and a
+        foot's radius about it; None when there is none.
         """
         ground = np.where(np.isnan(self.heights), np.inf, self.heights)
         known = np.where(self.known, ground, np.inf)
@@ -310,7 +310,10 @@ class Costmap:
             return None
         around = max(1, round((self.machine.boxes[0][3] - self.machine.boxes[0][2]) / self.step))
         with np.errstate(invalid="ignore"):  # nothing but holes around: inf less inf
-            return np.asarray((known - _least_around(ground, around) > limit) & np.isfinite(known))
+            walls = (known - _least_around(ground, around) > limit) & np.isfinite(known)
+        about = math.ceil(self.machine.foot_radius / self.step)
+        window = (-about, about + 1, -about, about + 1)
+        return np.asarray(_most_in(walls.astype(np.float64), window) > 0.5)
 
     def _barred(self, walls: Cover, window: tuple[int, int, int, int]) -> Cover:
         """Where such ground covers a leg's lane from side to side, across the course."""

@@ -26,7 +26,7 @@ from ..geometry.transforms import seen
 from ..protocols import PlanFunction, PlanningJob, SlicedJob, run_to_completion
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
-from ..types import Array, Blocked, Command, Stance, StepPlan
+from ..types import Array, Blocked, Command, Reason, Stance, StepPlan
 from .costmap import ACROSS, LAYER, Costmap, Region, is_plain
 
 Corners = tuple[tuple[float, float], ...]
@@ -153,7 +153,27 @@ class LocalPlanner:
             refused.append(route.offset)
         assert first is not None
         self.route = replace(first[0], speed_limit=math.inf)
-        return first[1]
+        if isinstance(first[1], StepPlan) or command.turn_rate != 0.0:
+            return first[1]
+        return (yield from self._naming_the_bar(first[1], machine, stance, terrain))
+
+    def _naming_the_bar(
+        self, answer: Blocked, machine: Machine, stance: Stance, terrain: TerrainMap
+    ) -> SlicedJob[Blocked]:
+        """A reason for which no leg can step, with what bars the line ahead as the map has it."""
+        if answer.reason not in (Reason.NO_WAY_ON, Reason.NO_LEG):
+            return answer
+        x, y, _, yaw = stance.body
+        line = self.route.line
+        region = Region.of(line[2] - yaw, *_on_the_line(line, x, y), machine, self.settings)
+        costmap = Costmap(region, stance, terrain, machine, self.settings)
+        yield costmap.weight
+        bar = costmap.why()
+        if bar.reason is not Reason.NO_WAY_ROUND:
+            return answer
+        ahead = f"; {bar.facts['distance']:.1f} m ahead {bar.facts['because']}"
+        facts = {**answer.facts, "because": f"{answer.facts['because']}{ahead}"}
+        return replace(answer, facts=facts)
 
 
 Routed = tuple[Command, RouteState, Blocked | None]

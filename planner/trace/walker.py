@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from ..geometry.transforms import Body
 from ..motion.body_sway import swayed
-from ..motion.swing_profile import legs_on_known_ground
 from ..protocols import Capabilities, Planner, PlannerError, PlannerSetup, PlanningJob
 from ..robot.separate_reach import separated
 from ..terrain.map import TerrainMap
@@ -55,8 +54,7 @@ class TracePlanner(Planner):
         if isinstance(answer, Blocked) or not self.walk.gait.sways:
             return answer
         supports = expected_supports(self.walk.prediction, stance, answer)
-        known = legs_on_known_ground(answer, terrain)
-        return swayed(answer, stance, supports, self.walk.gait, self.walk.machine, known)
+        return swayed(answer, stance, supports, self.walk.gait, self.walk.machine, terrain)
 
     def preview(self, stance: Stance, running: StepPlan | None) -> GaitPreview | None:
         """The same object as long as nothing else is foreseen."""

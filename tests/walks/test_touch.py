@@ -99,3 +99,21 @@ def test_a_foot_that_cannot_be_drawn_over_a_wall_goes_back_to_where_it_stood() -
     )
     assert told.ending[0] == "blocked" and "lifted foot" not in told.ending[1]
     assert_stands_well(told)
+
+
+@pytest.mark.parametrize(("height", "angle"), [(0.6, 15), (0.6, 30)])
+def test_a_wall_that_is_seen_is_gone_round_with_legs_body_and_sway_clear_of_it(
+    height: float, angle: int
+) -> None:
+    told = walk(
+        "block",
+        "sensing=eye",
+        "mode=predictive",
+        f"terrain.height={height}",
+        f"terrain.angle_deg={angle}",
+        "terrain.at=2.4",
+        "drive=[{t=0.0, speed=0.08}]",
+        "end={time=240.0, distance=6.0}",
+    )
+    assert told.ending == ("completed", "distance") and told.encounters == {}
+    assert_stands_well(told)

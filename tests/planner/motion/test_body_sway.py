@@ -45,7 +45,7 @@ def walked(
         decided = plan_step(StepRequest(stance, command, FLAT, TITAN, gait))
         assert isinstance(decided, StepPlan)
         ahead = expected_supports(decided, command, TITAN, gait)
-        plan = swayed(decided, stance, ahead, gait, TITAN, decided.swing)
+        plan = swayed(decided, stance, ahead, gait, TITAN, FLAT)
         out.append((stance, decided, plan))
         stance = plan.end
     return out
@@ -211,7 +211,7 @@ def test_a_body_that_leans_sways_along_its_floor(angle, before):
     stance, decided, _ = walked(angle, 3)[-1]
     stance, decided = leaning(stance, decided, before, after)
     ahead = expected_supports(decided, Command(math.radians(angle), 0.08), TITAN, GAIT)
-    plan = swayed(decided, stance, ahead, GAIT, TITAN, decided.swing)
+    plan = swayed(decided, stance, ahead, GAIT, TITAN, FLAT)
     tracker = TrajectoryTracker(plan)
     assert plan.end.place == pytest.approx(plan.body[-1].tolist())
     assert np.hypot(*plan.end.sway) > 0.01 and plan.polygon_margin_min >= 0.02
@@ -229,7 +229,7 @@ def test_the_legs_of_a_body_that_leans_reach_their_feet_and_keep_their_speed():
     after = (0.03, -0.02)
     stance, decided, level = walked(45, 3)[-1]
     stance, decided = leaning(stance, decided, after, after)
-    plan = swayed(decided, stance, (), GAIT, TITAN, decided.swing)
+    plan = swayed(decided, stance, (), GAIT, TITAN, FLAT)
     tracker = TrajectoryTracker(plan)
     before: list[tuple[float, ...]] | None = None
     for t in np.arange(0.0, tracker.duration, TICK).tolist():

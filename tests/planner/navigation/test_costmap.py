@@ -14,6 +14,7 @@ from tests.planner.navigation.test_local_planner import (
 )
 from walking_console.planner.navigation.costmap import (
     FIT,
+    WALL,
     Costmap,
     Region,
     Sums,
@@ -67,6 +68,19 @@ def test_a_place_and_back_is_the_same_place():
     region = Region.of(0.4, 0.1, 0.05, MACHINE)
     for s, d in ((0.0, 0.05), (1.0, -0.4), (2.0, 0.8)):
         assert region.seen_from(stance, *region.place(stance, s, d)) == pytest.approx((s, d))
+
+
+def test_a_lane_of_which_a_wall_leaves_less_than_a_foots_radius_is_barred():
+    def verdict(wall_from):
+        heights = level()
+        heights[at(wall_from) : at(3.0), at(1.2) : at(1.3)] = 1.0
+        costmap = Costmap(REGION, stance_at(), map_of(heights), MACHINE)
+        rows, columns = costmap.at(np.array([0.8]), np.array([0.0]))
+        return costmap.verdict[rows[0], columns[0]]
+
+    inner = MACHINE.boxes[0][2]  # of the left legs' lane
+    assert verdict(inner) == WALL
+    assert verdict(inner + 0.1) == FIT
 
 
 def test_a_line_that_is_barred_says_where_and_by_what():

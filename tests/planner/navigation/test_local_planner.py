@@ -344,6 +344,23 @@ def test_a_planner_of_steps_is_asked_for_another_course_where_it_finds_none():
         assert isinstance(answer, Blocked) and len(set(asked)) == len(asked) == most
 
 
+def test_where_no_leg_can_step_the_reason_names_what_bars_the_line_as_the_map_has_it():
+    def steps(stance, command, terrain):
+        yield None
+        return Blocked(Reason.NO_LEG, 2, facts={"because": "no gain"})
+
+    heights = level()
+    heights[at(-1.0) : at(1.0), at(1.2) : at(1.3)] = 1.0
+    for terrain, text in (
+        (map_of(heights), "no leg can take a step: no gain; 0.5 m ahead a leg cannot be lifted"),
+        (map_of(level()), "no leg can take a step: no gain"),
+    ):
+        planning = LocalPlanner().plan(steps, MACHINE, stance_at(), AHEAD, terrain)
+        answer = run_to_completion(planning)
+        assert answer.leg == 2 and answer.text.startswith(text)
+        assert ("ahead" in answer.text) == ("ahead" in text)
+
+
 def test_a_narrower_search_does_not_go_round_what_a_wider_one_does():
     terrain = map_of(with_hole(0.3, 2.3, -1.0, 1.0))
     for width, detour in ((2.0, True), (0.5, False)):
