@@ -313,6 +313,9 @@ class TraceSearch:
     sway: float | None = None
     # one of AIMS. Other than the first: see steps planned three times as long
     aim: str = SOONEST
+    # m the trace may bend aside round what cannot be walked on it, and come back; None: 1.25
+    # body lengths. 0: see it stop before a pole on its trace
+    detour: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

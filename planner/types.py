@@ -222,7 +222,9 @@ class StepPlan:
 
 @unique
 class Departure(Enum):
-    """Why a step is not that of the paper's rules, with the text that is shown for it."""
+    """Why a step is not that of the paper's rules, or not along the trace that was given, with the
+    text that is shown for it.
+    """
 
     NO_STEP = "the paper's rules find no step here"
     BACK_TO_STANDARD = "leads back to the standard pattern sooner than the paper's step"
@@ -231,6 +233,7 @@ class Departure(Enum):
     STEP_BACK = "nothing gets on: a step back, to get past this place"
     ASIDE = "nothing gets on: a course beside the commanded one"
     STRETCHED = "nothing gets on: legs stretched to their mechanical limit"
+    TRACE_BENT = "on the trace there is no way: the trace bends round it"
 
 
 @unique

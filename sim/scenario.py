@@ -178,9 +178,12 @@ class Scenario(Table):
     def planner_config(self) -> PlannerConfig:
         """The tunables, with this scenario's changes."""
         config = configured(self.config)
-        if self.trace is None or self.trace.sway is None:
+        if self.trace is None:
             return config
-        return replace(config, trace=replace(config.trace, sway=self.trace.sway))
+        search = config.trace
+        sway = search.sway if self.trace.sway is None else self.trace.sway
+        detour = search.detour if self.trace.detour is None else self.trace.detour
+        return replace(config, trace=replace(search, sway=sway, detour=detour))
 
     @property
     def start_pose(self) -> Pose:

@@ -34,6 +34,9 @@ class TraceTable(Table):
     # m the body's reference may leave the trace sideways where on it there is no way; a sixteenth
     # of its length when not given, 0: never
     sway: float | None = pydantic.Field(default=None, ge=0.0, le=1.0)
+    # m the trace may bend aside round what cannot be walked on it; 1.25 body lengths when not
+    # given, 0: never
+    detour: float | None = pydantic.Field(default=None, ge=0.0, le=3.0)
 
     @property
     def path(self) -> GivenPath:
@@ -43,7 +46,7 @@ class TraceTable(Table):
     @property
     def path_data(self) -> dict[str, Any]:
         """The parameters of the path alone."""
-        return self.model_dump(exclude={"sway"})
+        return self.model_dump(exclude={"sway", "detour"})
 
 
 def table_for(kind: type[GivenPath]) -> type[TraceTable]:

@@ -56,8 +56,8 @@ class SwayRoom:
 
     def offsets(self, body: Body, side: XY, feet: StandingFeet, lean: Lean = LEVEL) -> XY:
         """The offsets of the body along the unit vector ``side`` at which every foot that stands is
-        within its leg's mechanical reach, and which lead past nothing tall. Of a body that leans, on
-        a slope, only the reach is looked at.
+        within its leg's mechanical reach, and which lead past nothing tall. Of a body that leans,
+        on a slope, only the reach is looked at.
         """
         low, high = self._in_reach(body, side, feet, lean)
         if low > high:

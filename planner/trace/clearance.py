@@ -50,7 +50,7 @@ class Clearance:
         highest = float(np.where(np.isnan(heights), -np.inf, heights).max(initial=-np.inf))
         self.has_tall = highest > low + room
         if highest > low + under:
-            self.torso_room = self.samples.pack(_torso_clear(self.lane, self.terrain, machine))
+            self.torso_room = self.samples.pack(torso_clear(self.lane, self.terrain, machine))
             self.torso_grazes = self.torso_room != self.samples.all
 
     def _ceiling(self, leg: int) -> float:
@@ -112,7 +112,7 @@ class Clearance:
         return self.samples.in_all_rows(bits_of(flags))
 
 
-def _torso_clear(lane: Lane, terrain: TerrainMap, machine: Machine) -> NDArray[np.bool_]:
+def torso_clear(lane: Lane, terrain: TerrainMap, machine: Machine) -> NDArray[np.bool_]:
     """(rows, samples): where the torso's box touches no ground."""
     length, width, height = machine.torso
     # a crest tells of all the cells this near

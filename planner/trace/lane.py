@@ -58,7 +58,7 @@ def lane_along(
     x = trace.x[part].copy()
     y = trace.y[part].copy()
     yaw = trace.yaw[part].copy()
-    across_x, across_y, moving = _across(x, y, yaw)
+    across_x, across_y, moving = across(x, y, yaw)
     away = np.abs(np.arange(window.first, window.last + 1) - window.now) * trace.step
     fade = np.clip(1.0 - away / (JOIN * machine.torso[0]), 0.0, 1.0)
     off_x, off_y, off_yaw, turns = _off_trace(trace, window.now, stance)
@@ -80,7 +80,7 @@ def lane_along(
     return Lane(xs, ys, yaw, z)
 
 
-def _across(x: Array, y: Array, yaw: Array) -> tuple[Array, Array, bool]:
+def across(x: Array, y: Array, yaw: Array) -> tuple[Array, Array, bool]:
     """The unit vectors to the left of a way, the body's own left where it does not move; and
     whether it mostly does.
     """

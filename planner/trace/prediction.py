@@ -141,6 +141,7 @@ def predicting(
     gait: Gait,
     *,
     trace: SampledPath | None = None,
+    drawn: SampledPath | None = None,
     rigid: RigidGait | None = None,
     limit: int = LIMIT,
     limit_wide: int = LIMIT_WIDE,
@@ -149,12 +150,13 @@ def predicting(
     """Predict from ``stance``: on the trace by K's order and by search, then with rows beside it;
     the better of these.
 
-    Without a ``trace`` the joystick's own is drawn. ``limit`` and ``limit_wide`` bound the states
-    met on and beside the trace, ``search`` says how far beside it, and what the way is to be best
-    at. Yields now and then, so that a caller may spread it over ticks.
+    Without a ``trace`` the joystick's own is looked along, as it is ``drawn`` from here if it has
+    been. ``limit`` and ``limit_wide`` bound the states met on and beside the trace, ``search`` says
+    how far beside it, and what the way is to be best at. Yields now and then, so that a caller may
+    spread it over ticks.
     """
     if trace is None:
-        course = _joystick_course(stance, command, machine)
+        course = _joystick_course(stance, command, machine, drawn)
     else:
         course = _given_course(stance, trace, machine)
     task = Task(course, stance, terrain, machine, gait)
@@ -216,20 +218,27 @@ def _predicted(way: Attempt, command: Command, given: bool) -> Prediction:
     )
 
 
-def _joystick_course(stance: Stance, command: Command, machine: Machine) -> TraceCourse:
-    """The joystick's own course from where the body is."""
+def joystick_from(stance: Stance, command: Command, machine: Machine, ahead: float) -> SampledPath:
+    """The joystick's own trace from where the body is, so many body lengths long."""
     step = step_for(machine)
-    ahead = round(BODY_LENGTHS * machine.torso[0] / step)
     x, y, _, yaw = stance.body
-    trace = joystick_trace(
+    return joystick_trace(
         (x, y, yaw),
         command.crab_angle,
         command.speed,
         command.turn_rate,
         machine.yaw_length,
-        ahead * step,
+        round(ahead * machine.torso[0] / step) * step,
         step,
     )
+
+
+def _joystick_course(
+    stance: Stance, command: Command, machine: Machine, drawn: SampledPath | None
+) -> TraceCourse:
+    """The joystick's course from where the body is."""
+    trace = drawn or joystick_from(stance, command, machine, BODY_LENGTHS)
+    ahead = round(BODY_LENGTHS * machine.torso[0] / trace.step)
     return TraceCourse(trace, TraceWindow(0, min(ahead, trace.last), 0), stance.course)
 
 

@@ -35,9 +35,9 @@ def ahead(walk: TraceWalk, stance: Stance, running: StepPlan | None) -> GaitPrev
         # made while the step runs: it begins where the step ends
         if n is not None and running is not None:
             return _foreseen(known, n, running.end, walk.machine, _leaving(stance, running))
-    if walk.trace is None:
+    if walk.course is None:
         return None
-    line = _line(walk.trace, stance.course, walk.trace.length, 0.0)
+    line = _line(walk.course, stance.course, walk.course.length, 0.0)
     count = len(walk.machine.legs)
     return GaitPreview(
         line, ((),) * count, ((),) * count, (), stance.course, stance.course, True, ""

@@ -335,11 +335,10 @@ def moved_together(
     """
     feet, at = state
     rest = tuple(AIR if leg in legs else f for leg, f in enumerate(feet))
-    window = place & reachable.carries(rest)
-    if not window:
+    lifted = _carried_from(reachable, rest, place, at)
+    if not lifted:
         return
     samples = reachable.samples
-    lifted = samples.unbroken(reachable.carries(rest), samples.nearest(window, at))
     choices = [_longest_lasting(reachable, leg, feet[leg], lifted) for leg in legs]
     for chosen in product(*choices):
         new = rest
@@ -350,8 +349,19 @@ def moved_together(
             if not legs_clear(reachable.footholds, new, hold, reachable.machine.foot_radius):
                 both = 0
             new = (*new[:leg], f, *new[leg + 1 :])
+        still = tuple(f if f == g else AIR for f, g in zip(feet, new, strict=True))
+        if both and still != rest:  # a leg that stays where it is has not been in the air
+            both &= _carried_from(reachable, still, place, at)
         if both and new != feet:
             yield SupportState(new, samples.nearest(both, at))
+
+
+def _carried_from(reachable: Reachability, rest: Footing, place: int, at: int) -> int:
+    """Samples the body gets to on the feet that stay, from a state at ``place``, or none."""
+    carries = reachable.carries(rest)
+    window = place & carries
+    samples = reachable.samples
+    return samples.unbroken(carries, samples.nearest(window, at)) if window else 0
 
 
 def _longest_lasting(reachable: Reachability, leg: int, stood: int, lifted: int) -> list[int]:

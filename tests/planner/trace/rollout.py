@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from walking_console.planner.config import TraceSearch
 from walking_console.planner.geometry.paths import SampledPath
 from walking_console.planner.initial_stance import Placement, square_stance
 from walking_console.planner.robot.model import Machine
@@ -18,6 +19,7 @@ from walking_console.planner.trace.periodic_gaits import RigidGait
 from walking_console.planner.trace.planner import TraceWalk
 from walking_console.planner.types import Blocked, Command, Gait, Phase, Reason, Stance, StepPlan
 
+ON_THE_TRACE = TraceSearch(detour=0.0)  # K's own test: the trace does not bend
 TOUCH = 0.005  # m, a foot's reach may be exceeded by while the torso turns between knots
 
 
@@ -73,7 +75,7 @@ def walk(
     pose = trace.pose(0.0) if trace is not None else (0.0, 0.0, 0.0)
     place = Placement(pose, lambda x, y: 0.0 if terrain.is_level else terrain.height_at(x, y))
     now = stance or square_stance(machine, gait, place)
-    out, think = Walked(now), TraceWalk(machine, gait, trace, rigid)
+    out, think = Walked(now), TraceWalk(machine, gait, trace, rigid, ON_THE_TRACE)
     for _ in range(steps):
         thinking = think(now, command, terrain)
         while True:
