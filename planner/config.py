@@ -41,6 +41,9 @@ class Tolerances:
     position_noise: float = 0.0
     posture_noise: float = 0.0
     late: int = 0  # ticks that what it senses is old
+    # of the way, that its odometry drifts by. Smaller than it does: see feet come down on the edges
+    # of holes after a long walk
+    drift: float = 0.0
 
     @property
     def scatters(self) -> bool:

@@ -20,6 +20,7 @@ from .contact_reflexes import ContactReflexes
 from .execution import END, Execution, kept_stance
 from .handshake import Flags
 from .pacing import pace_for
+from .place_doubt import PlaceDoubt
 from .plan_job import PlanJob
 from .posture_controller import Layout, PostureController
 from .sole_watch import SoleWatch
@@ -62,6 +63,7 @@ class GaitSupervisor:
         self.postures = PostureController(self.state, layout)
         self._steps = StepController(self.state)
         self._heed = planner.heed
+        self._doubt = PlaceDoubt(run.tolerances.drift)
         self._work = run.config.planning.work
         self._now: Now | None = None
 
@@ -198,6 +200,7 @@ class GaitSupervisor:
         command = self._heed(command)
         if self.run.compliant is not None:
             sensing = self.run.compliant.believed(sensing)
+        terrain = self._doubt.cautious(sensing, terrain)
         now = self._now
         if now is None:
             now = self._now = Now(sensing, command, terrain, command.holds)

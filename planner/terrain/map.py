@@ -243,6 +243,12 @@ class TerrainMap(HeightGrid):
         told.__dict__["crests"] = crests
         return told
 
+    def keeping_off(self, edge: float) -> TerrainMap:
+        """The same map whose footholds keep so far from the bottomless, m."""
+        other = replace(self, edge=edge)
+        other.__dict__.update({**vars(self), "edge": edge})
+        return other
+
     def replaced(
         self,
         heights: NDArray[np.float64],

@@ -37,6 +37,7 @@ from .targets import Targets, pressing
 FALLEN_TILT = 0.6  # rad; leaning further than this is lying
 TIPPING_TILT = 0.15  # rad; leaning further, with the centre of gravity outside its feet, is tipping
 DROPPED = 2.0  # m below where it began; further down is lying at the bottom of a hole
+DRIFT = 0.002  # of the way, that leg odometry drifts by on level ground; half of it without slip
 BURIED = 0.002  # m; a foot this deep in new ground is put on top of it
 
 
@@ -133,6 +134,7 @@ class PhysicsPlant:
             position_noise=noise.position,
             posture_noise=noise.posture,
             late=noise.delay,
+            drift=DRIFT,
         )
 
     @property

@@ -3,6 +3,7 @@
 import pytest
 
 from walking_console.planner.control.activities import TABLE, Activity
+from walking_console.planner.control.place_doubt import PlaceDoubt
 from walking_console.planner.control.supervisor import MODES_OF_A_POSTURE
 from walking_console.planner.types import POSTURES, Command, Mode
 from walking_console.sim.requests import Edit, TakePosture
@@ -43,6 +44,17 @@ def test_while_a_step_runs_the_next_is_planned(simulation):
     simulation.order(AHEAD)
     until(simulation, lambda walk: walk.ready is not None)
     assert simulation.walk.flags == (False, True, False)
+
+
+def test_steps_are_planned_on_the_map_that_an_odometry_which_drifts_leaves():
+    simulation = Simulation(load_scenario("holes"))
+    simulation.walk._doubt = PlaceDoubt(0.02)
+    simulation.order(AHEAD)
+    simulation.run(seconds=15)
+    until(simulation, lambda walk: walk.job.asked is not None)
+    asked = simulation.walk.job.asked.terrain
+    assert asked.edge > simulation.perception.belief.edge
+    assert asked.heights is simulation.perception.belief.heights
 
 
 @pytest.mark.parametrize("posture", POSTURES)

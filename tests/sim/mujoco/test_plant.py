@@ -174,6 +174,12 @@ def test_odometry_drifts_from_the_truth_where_feet_slip_and_says_which():
     assert slipped
 
 
+def test_it_says_that_its_odometry_drifts_and_how_late_its_sensors_are():
+    noisy = plant_of(noise=SensorNoise(0.005, delay=2), rng=np.random.default_rng(1))
+    assert plant_of().tolerances.drift > 0.0 == plant_of().tolerances.late
+    assert noisy.tolerances.late == 2 and noisy.tolerances.scatters
+
+
 def test_sensors_without_noise_say_what_is_so_and_with_noise_something_near_it():
     plant = drive(plant_of(), 5)
     noisy = drive(
