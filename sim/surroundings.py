@@ -164,9 +164,8 @@ class Surroundings:
 
     def truth_changed(self, whole: WideMap) -> None:
         """The whole map has other heights in some of its tiles now."""
-        self.tiles.after_change(whole)
+        self._missing += self.tiles.after_change(whole)
         self._rests = True
-        self._missing = self.tiles.missing(self._soon())
 
     # what a machine that knows the ground has found out
 

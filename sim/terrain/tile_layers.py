@@ -146,17 +146,16 @@ class TileFacts:
             place: self._found[place] for place in tiles_in(window) if place in self._found
         }
 
-    def after_change(self, whole: WideMap) -> None:
+    def after_change(self, whole: WideMap) -> list[TileNumber]:
         """Go on with the same map after some of its tiles have changed: what depends on them is
-        forgotten.
+        forgotten, and which tiles those are is the answer.
         """
         before, self.whole = self.whole, whole
-        if whole.source is not before.source:
-            self._found = {}
+        stale = set(self._found) if whole.source is not before.source else set[TileNumber]()
         for place, tile in whole.changed.items():
             if before.changed.get(place) is not tile:
-                for other in tiles_in(grown(place.window, self.reach, whole.shape)):
-                    self._found.pop(other, None)
+                stale.update(tiles_in(grown(place.window, self.reach, whole.shape)))
+        return [place for place in sorted(stale) if self._found.pop(place, None)]
 
 
 def _whole_tile(values: NDArray[Any], beyond: float) -> NDArray[Any]:

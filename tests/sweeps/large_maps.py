@@ -5,9 +5,10 @@ Run: python -m tests.sweeps.large_maps [CASE ...] [--seconds N]
 
 A line for each case, each in a process of its own: processor time to get ready, memory of the
 process at its most and at the end, then of a walk's ticks the first, the median, the 99th
-percentile and the largest, the largest of those in which the window moves, the largest in which the
-ground beside the machine is edited, and what the canvas takes to draw all of it and what comes with
-a move. Times are processor time in ms, memory is MB. A CASE is one of those below.
+percentile and the largest, the largest of those in which the window moves, the median and the
+largest of those in which the ground beside the machine is edited, and what the canvas takes to draw
+all of it and what comes with a move. Times are processor time in ms, memory is MB. A CASE is one of
+those below.
 """
 
 from __future__ import annotations
@@ -51,7 +52,7 @@ BESIDE = (1.5, 0.3)  # m from the machine, where the edits are
 PAUSE = 40  # ticks between two edits
 HEAD = (
     f"{'case':<14} {'ready s':>7} {'peak':>5} {'end':>5} {'first':>6} {'median':>6} {'p99':>6} "
-    f"{'largest':>7} {'move':>6} {'edit':>6} {'draw':>6} {'again':>6} {'sent MB':>7}"
+    f"{'largest':>7} {'move':>6} {'edits':>12} {'draw':>6} {'again':>6} {'sent MB':>7}"
 )
 
 
@@ -92,8 +93,8 @@ def _report(name: str, seconds: float) -> None:
     moves = max((ms for ms, moved in ticks if moved), default=0.0)
     print(
         f"{name:<14} {ready:7.2f} {peak:5.0f} {end:5.0f} {ticks[0][0]:6.2f} {median(times):6.3f} "
-        f"{times[int(0.99 * len(times))]:6.2f} {times[-1]:7.2f} {moves:6.2f} {max(edits):6.2f} "
-        + " ".join(_drawn(simulation)),
+        f"{times[int(0.99 * len(times))]:6.2f} {times[-1]:7.2f} {moves:6.2f} "
+        f"{median(edits):5.2f} {max(edits):6.2f} " + " ".join(_drawn(simulation)),
         flush=True,
     )
 

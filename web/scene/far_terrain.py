@@ -87,7 +87,7 @@ def mesh_of(sheet: Sheet, whole: WholeMap, cell: float, relief: tuple[float, flo
     x, y = whole.origin
     origin = x + sheet.columns[0] * cell, y + sheet.rows[0] * cell
     nothing = np.zeros(heights.shape, dtype=bool)
-    return TerrainMesh(heights, nothing, cell * step, origin, relief, stepped=False)
+    return TerrainMesh(heights, nothing, cell * step, origin, relief, stepped=False, is_part=True)
 
 
 def look_over(whole: WholeMap) -> Floats:

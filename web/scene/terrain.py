@@ -36,6 +36,8 @@ PIXELS_MAX = 2048  # a side, all tiles together
 FINE_CELLS = 300  # cells a side below which a texture has several pixels a cell anyway
 PIT = 0.5  # m, depth at which a bottomless hole is drawn shut
 AROUND = 2  # cells around a tile that its shading and its edges depend on
+LINED_MAX = 0.25  # m; in larger cells lines a metre apart would be half of what is seen
+EDGE_SHADE = 0.9  # how bright the side of a part is beside its ground
 EARTH = np.array([0.115, 0.125, 0.145])  # sRGB 0-1, the side of the block of earth
 
 
@@ -74,7 +76,8 @@ class Tile:
 class TerrainMesh:
     """One map, ready to be cut into tiles. Heights in m (ny, nx), NaN is a hole. ``relief`` is from
     which height to which its colours go, m; its own where none is given. Of a wide map it is a
-    window with its ``corner`` there: tiles keep their places while the window moves.
+    window with its ``corner`` there, tiles keep their places while it moves; ``is_part``: other
+    ground goes on beyond its edges.
     """
 
     def __init__(
@@ -87,9 +90,11 @@ class TerrainMesh:
         *,
         stepped: bool | None = None,
         corner: tuple[int, int] | None = None,
+        is_part: bool = False,
     ) -> None:
         self.heights = heights
         self.corner = corner
+        self.is_part = is_part
         self.forbidden = forbidden
         self.cell = cell
         self.origin = origin
@@ -185,7 +190,11 @@ class TerrainMesh:
         return colour
 
     def _metre_lines(self, window: Window, shape: tuple[int, ...]) -> Floats:
-        """1 on lines every metre, so that level ground shows that the machine moves."""
+        """1 on lines every metre, so that level ground shows that the machine moves; none in parts
+        of a wide map that are drawn too coarsely for them.
+        """
+        if self.is_part and self.cell > LINED_MAX:
+            return np.zeros(shape)
         y = self.origin[1] + (window.r0 + np.arange(shape[0] + 1)) * self.cell
         x = self.origin[0] + (window.c0 + np.arange(shape[1] + 1)) * self.cell
         on_y, on_x = (np.diff(np.floor(axis + 1e-9)) > 0 for axis in (y, x))
@@ -264,7 +273,9 @@ class TerrainMesh:
                 yield (*ends, float(low[a]), float(high[a]))
 
     def _rim(self, window: Window) -> Part:
-        """The map's outer edge as the side of a block of earth."""
+        """The map's outer edge as the side of a block of earth; of a part of a wide map in the
+        colours of its ground, as it fills the cracks beside the next part.
+        """
         lines = self._outer_lines(window)
         if not lines:
             return Part(np.zeros((0, 3)), np.zeros((0, 3), int))
@@ -276,7 +287,12 @@ class TerrainMesh:
         vertices = np.stack([bottom, top], axis=1).reshape(-1, 3)
         is_bottom = (np.arange(len(vertices)) % 4 < 2)[:, None]
         shades = np.ones((len(vertices), 4))
-        shades[:, :3] = np.where(is_bottom, EARTH * 0.45, EARTH * 1.9)
+        if self.is_part:
+            shades[:, :3] = EDGE_SHADE * height_colours(
+                top[..., 2].mean(axis=1), *self.relief
+            ).repeat(4, axis=0)
+        else:
+            shades[:, :3] = np.where(is_bottom, EARTH * 0.45, EARTH * 1.9)
         return Part(vertices, _quads(len(ends)), shades=shades, unlit=True, double=True)
 
     def _outer_lines(self, window: Window) -> list[Indices]:

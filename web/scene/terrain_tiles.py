@@ -53,7 +53,13 @@ class TerrainTiles:
             relief = self._relief_of(view.whole)
             corner = view.corner
             return TerrainMesh(
-                view.heights, view.forbidden, view.cell, view.origin, relief, corner=corner
+                view.heights,
+                view.forbidden,
+                view.cell,
+                view.origin,
+                relief,
+                corner=corner,
+                is_part=True,
             )
         self._looks = None
         relief = self._relief if self.view is not None and _is_edit_of(self.view, view) else None

@@ -40,8 +40,8 @@ def test_only_what_depends_on_a_changed_tile_is_worked_out_again() -> None:
     tiles = facts()
     tiles.over(WHOLE)
     changed = tiles.whole.with_cells(np.array([100]), np.array([100]), np.array([2.0]))
-    tiles.after_change(changed)
-    missing = tiles.missing(WHOLE)
+    missing = tiles.after_change(changed)
+    assert missing == tiles.missing(WHOLE)
     assert len(missing) == 9 and {(p.row, p.column) for p in missing} == {
         (r, c) for r in (2, 3, 4) for c in (2, 3, 4)
     }

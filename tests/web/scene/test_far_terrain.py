@@ -8,6 +8,8 @@ from walking_console.sim.scenario_files import load_scenario
 from walking_console.sim.simulation import Simulation
 from walking_console.sim.terrain.wide_map import WideMap
 from walking_console.web.scene.far_terrain import QUADS, look_over, mesh_of, sheets_around
+from walking_console.web.scene.terrain import EDGE_SHADE, TerrainMesh, Window
+from walking_console.web.scene.terrain_texture import height_colours
 from walking_console.web.scene.terrain_tiles import TerrainTiles
 
 SHAPE = (8000, 8000)
@@ -44,6 +46,22 @@ def test_a_sheet_is_as_high_as_the_ground_in_its_middle_and_holes_are_hollows() 
     assert mesh.heights[0, 0] == sheet.rows[0] + sheet.step // 2
     assert np.isfinite(mesh.heights).all()
     assert look_over(whole).shape == (115, 115)
+
+
+def test_parts_have_sides_in_the_colours_of_their_ground_and_no_lines_where_cells_are_large() -> (
+    None
+):
+    level, nothing = np.zeros((20, 20)), np.zeros((20, 20), dtype=bool)
+    extent = Window(0, 20, 0, 20)
+    for cell, lined in ((0.05, True), (0.4, False)):
+        part = TerrainMesh(
+            level, nothing, cell, (0.3, 0.3), (-0.2, 0.2), stepped=False, is_part=True
+        )
+        shades = part._rim(extent).shades
+        assert shades is not None
+        colour = EDGE_SHADE * height_colours(np.zeros(len(shades)), -0.2, 0.2)
+        np.testing.assert_allclose(shades[:, :3], colour)
+        assert (np.ptp(part.picture(extent)) > np.ptp(part.picture(extent)[0, 0]) + 1e-9) == lined
 
 
 def test_when_the_window_moves_only_what_comes_into_it_and_lies_beside_it_is_sent(
