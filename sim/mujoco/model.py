@@ -18,7 +18,7 @@ from walking_console.planner.stability import GRAVITY
 from ..terrain.ground import Ground
 from .library import mujoco
 from .settings import Physics
-from .terrain import GROUND, add_ground
+from .terrain import GROUND, add_ground, fill_field
 
 _Floats = NDArray[np.float64]
 
@@ -68,6 +68,8 @@ def build(machine: Machine, ground: Ground, physics: Physics, pool: int = 0) -> 
     for leg, chain in enumerate(machine.chains):
         _add_leg(spec, torso, machine, physics, leg, chain, drives[leg], touching)
     model = spec.compile()
+    if ground.relief:
+        fill_field(model, ground)
     return Built(
         model,
         model.body("torso").id,

@@ -13,10 +13,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from walking_console.planner.types import Array
+
 from ..terrain.ground import Ground
 from .library import mujoco
 
 THICK = 0.5  # m of a box below the lowest level
+RISE_MIN = 1e-3  # m from the lowest to the highest of a height field
 PIT = 1.0  # m, depth of a hole in a height field
 AWAY = 1e4  # m below, where a shape of a pool is before it is a box
 GROUND = 1  # contact bit
@@ -79,11 +82,32 @@ def add_ground(spec: Any, ground: Ground, pool: int, contact: dict[str, Any]) ->
         spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, **away, **contact)
 
 
-def _add_field(spec: Any, ground: Ground, contact: dict[str, Any]) -> None:
+def _solid(ground: Ground) -> Array:
+    """Heights with a pit in place of every hole, m."""
     low = np.fmin.reduce(ground.heights, axis=None)
-    heights = np.where(np.isnan(ground.heights), low - PIT, ground.heights)
+    return np.where(np.isnan(ground.heights), low - PIT, ground.heights)
+
+
+def _base_and_rise(heights: Array) -> tuple[float, float]:
+    """The lowest height of a field, m, and how far its highest is above it."""
     base = float(heights.min())
-    tall = max(float(heights.max()) - base, 1e-3)
+    return base, max(float(heights.max()) - base, RISE_MIN)
+
+
+def fill_field(model: Any, ground: Ground) -> None:
+    """Give the field of a compiled model its heights, from 0 to 1: a third of the time it takes to
+    hand them over one by one.
+    """
+    heights = _solid(ground)
+    base, tall = _base_and_rise(heights)
+    shares = ((heights - base) / tall).astype(np.float32).ravel()
+    highest = shares.max()
+    model.hfield_data[:] = shares / highest if highest > 0.0 else shares
+
+
+def _add_field(spec: Any, ground: Ground, contact: dict[str, Any]) -> None:
+    heights = _solid(ground)
+    base, tall = _base_and_rise(heights)
     rows, columns = heights.shape
     half_x = max((columns - 1) * ground.cell / 2, 1e-3)
     half_y = max((rows - 1) * ground.cell / 2, 1e-3)
@@ -92,7 +116,7 @@ def _add_field(spec: Any, ground: Ground, contact: dict[str, Any]) -> None:
         nrow=rows,
         ncol=columns,
         size=[half_x, half_y, tall, THICK],
-        userdata=((heights - base) / tall).astype(np.float32).ravel(),
+        userdata=[0.0] * heights.size,  # ``fill_field``
     )
     x, y = ground.origin
     spec.worldbody.add_geom(

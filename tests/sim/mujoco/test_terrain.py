@@ -110,3 +110,19 @@ def test_relief_is_a_height_field_that_is_what_everybody_takes_for_the_ground():
     assert model.nhfield == 1
     for x, y in np.random.default_rng(2).uniform((-0.94, 2.06), (0.04, 2.84), (300, 2)):
         assert height_by_ray(model, x, y) == pytest.approx(ground.height_at(x, y), abs=1e-6)
+
+
+@pytest.mark.parametrize("rise", [0.4, 2e-4])
+def test_a_height_field_filled_afterwards_is_the_one_that_is_handed_over(rise):
+    heights = np.random.default_rng(3).uniform(-0.1, rise - 0.1, (40, 30))
+    ground, model = built(heights)
+    assert ground.relief
+    spec = mujoco.MjSpec()
+    lowest = heights.min()
+    shares = (heights - lowest) / max(heights.max() - lowest, 1e-3)
+    spec.add_hfield(
+        name="same", nrow=40, ncol=30, size=[1.0, 1.0, 1.0, 0.5], userdata=shares.ravel()
+    )
+    handed_over = spec.compile()
+    np.testing.assert_allclose(model.hfield_data, handed_over.hfield_data, atol=1e-7)
+    assert model.hfield_data.min() == 0.0 and model.hfield_data.max() == 1.0
