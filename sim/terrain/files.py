@@ -72,6 +72,7 @@ class FileGround(NamedTuple):
     cell: float  # m
     origin: tuple[float, float]  # x, y of the corner of cell [0, 0], m
     note: str  # one line that says what was understood
+    parts: int = 1  # that a cell is to be cut into a side, interpolated (``Smoothed``)
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,6 +83,7 @@ class _Map:
     cell: tuple[float, float]
     origin: tuple[float, float] | None = None
     said: tuple[str, ...] = field(default=())
+    parts: int = 1  # that a cell is to be cut into a side
 
     def saying(self, what: str) -> _Map:
         """The same with one more thing to be told."""
@@ -163,7 +165,8 @@ def _understood(
         heights = _smoothed(heights)
     if heights.origin is None:
         raise AssertionError("a map is placed before it is cropped")
-    return FileGround(heights.heights, heights.cell[0], heights.origin, ", ".join(heights.said))
+    said = ", ".join(heights.said)
+    return FileGround(heights.heights, heights.cell[0], heights.origin, said, heights.parts)
 
 
 def _size(cell: tuple[float, float]) -> str:
@@ -427,21 +430,50 @@ def _check_heights(heights: Heights, terrain: MapTerrain) -> None:
 
 def _smoothed(found: _Map) -> _Map:
     """The same map in cells of at most 0.025 m, straight lines between the old cells' centres;
-    holes stay holes.
+    holes stay holes. What is too much to be held whole is interpolated where it is wanted.
     """
     cell = found.cell[0]
     parts = math.ceil(cell / SMOOTH_CELL - 1e-9)
     ny, nx = found.heights.shape
-    if ny * nx * parts * parts > WHOLE_CELLS_MAX:
+    if ny * nx * parts * parts > WIDE_CELLS_MAX:
         raise GroundError(
             f"smooth = true would make {ny * parts} x {nx * parts} cells; at most "
-            f"{WHOLE_CELLS_MAX}: set crop"
+            f"{WIDE_CELLS_MAX}: set crop"
         )
-    rows = np.asarray((np.arange(ny * parts) + 0.5) / parts - 0.5, dtype=np.float64)
-    columns = np.asarray((np.arange(nx * parts) + 0.5) / parts - 0.5, dtype=np.float64)
-    heights = _between_holes(found.heights, rows, columns)
-    fine = replace(found, heights=heights, cell=(cell / parts, cell / parts))
-    return fine.saying(f"interpolated to {cell / parts:g} m")
+    said = found.saying(f"interpolated to {cell / parts:g} m")
+    if ny * nx * parts * parts > WHOLE_CELLS_MAX:
+        return replace(said, parts=parts)
+    heights = Smoothed(found.heights, parts)(slice(0, ny * parts), slice(0, nx * parts))
+    return replace(said, heights=heights, cell=(cell / parts, cell / parts))
+
+
+@dataclass(frozen=True, eq=False)
+class Smoothed:
+    """Heights interpolated wherever they are asked for, every cell cut into ``parts`` a side."""
+
+    heights: Heights
+    parts: int
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns of the finer map."""
+        ny, nx = self.heights.shape
+        return ny * self.parts, nx * self.parts
+
+    def __call__(self, rows: slice, columns: slice) -> Array:
+        """Every slice has a start and a stop on the finer map."""
+        ny, nx = self.heights.shape
+        first_row, last_row, at_rows = self._around(rows, ny)
+        first_column, last_column, at_columns = self._around(columns, nx)
+        part = self.heights[first_row:last_row, first_column:last_column]
+        return _between_holes(part, at_rows, at_columns)
+
+    def _around(self, side: slice, size: int) -> tuple[int, int, Array]:
+        """The cells about some cells of the finer map, and where among them those are."""
+        places = (np.arange(side.start, side.stop, side.step) + 0.5) / self.parts - 0.5
+        first = min(max(0, math.floor(places[0])), size - 2)
+        last = min(max(math.floor(places[-1]) + 2, first + 2), size)
+        return first, last, np.asarray(places - first, dtype=np.float64)
 
 
 def _between_holes(grid: Heights, rows: Array, columns: Array) -> Array:

@@ -28,7 +28,7 @@ from walking_console.planner.terrain.mapping import Index
 from walking_console.planner.types import Array
 
 from .extent import CellRange, cells_for
-from .files import FileGround, given_heights, read_elevation, read_heights
+from .files import FileGround, Smoothed, given_heights, read_elevation, read_heights
 from .generators import (
     Dem,
     FileTerrain,
@@ -227,7 +227,11 @@ def make_ground(
 def _of_file(terrain: MapTerrain, read: FileGround, start: XY) -> Ground:
     """The ground of a height file, wide where it has many cells."""
     heights = read.heights
-    if heights.size <= WHOLE_CELLS_MAX:
+    if read.parts > 1:
+        fine = Smoothed(heights, read.parts)
+        whole = WideMap(fine.shape, read.cell / read.parts, read.origin, fine)
+        ground = window_at(whole, start, terrain.kind, terrain.final)
+    elif heights.size <= WHOLE_CELLS_MAX:
         exact = heights.astype(np.float64, copy=False)
         ground = Ground(exact, read.cell, read.origin, terrain.kind, terrain.final)
     else:

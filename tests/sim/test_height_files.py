@@ -8,7 +8,7 @@ import tifffile
 from PIL import Image
 
 from tests.sim.terrain.readers.files import FIXTURES, HILL, ground, of_fixture
-from walking_console.sim.terrain.files import read_heights
+from walking_console.sim.terrain.files import Smoothed, read_heights
 from walking_console.sim.terrain.generators import FileTerrain, GroundError
 from walking_console.sim.terrain.wide_map import WHOLE_CELLS_MAX
 
@@ -80,3 +80,21 @@ def test_the_reader_is_chosen_by_the_ending_in_any_case(tmp_path: Path) -> None:
     (tmp_path / "h.npy").rename(tmp_path / "H.NPY")
     terrain = FileTerrain(kind="file", file="H.NPY", cell=0.5)
     assert read_heights(terrain, tmp_path).heights.shape == HILL.shape
+
+
+def test_smooth_ground_of_many_cells_is_interpolated_where_it_is_wanted(tmp_path: Path) -> None:
+    rng = np.random.default_rng(4)
+    heights = rng.uniform(-0.2, 0.2, (500, 600))
+    heights[40:44, 100] = np.nan
+    np.save(tmp_path / "h.npy", heights)
+    made = ground(tmp_path / "h.npy", cell=0.1, smooth=True, nan="hole")
+    whole = made.whole
+    assert whole is not None and whole.shape == (2000, 2400) and whole.cell == 0.025
+    exact = Smoothed(heights, 4)(slice(0, 2000), slice(0, 2400))
+    for rows, columns in ((slice(0, 50), slice(0, 9)), (slice(150, 200), slice(380, 2400, 7))):
+        np.testing.assert_allclose(whole.read(rows, columns), exact[rows, columns], atol=1e-7)
+    assert np.array_equal(made.heights, whole.read(*made.cells))
+    assert "interpolated to 0.025 m" in made.note
+    with pytest.raises(GroundError, match="smooth = true would make 8000 x 9600 cells"):
+        np.save(tmp_path / "h.npy", np.zeros((2000, 2400)))
+        ground(tmp_path / "h.npy", cell=0.1, smooth=True)
