@@ -15,7 +15,7 @@ from walking_console.sim.terrain.wide_map import WHOLE_CELLS_MAX
 
 def test_heights_above_the_sea_are_brought_to_the_start_and_that_is_told() -> None:
     made = of_fixture("heights-above-the-sea")
-    assert abs(made.heights).max() < 0.2 and made.height_at(0.0, 0.0) == 0.0
+    assert abs(made.heights).max() < 0.2 and made.heights[made.cell_at(0.0, 0.0)] == 0.0
     assert "m taken off" in made.note
     lowest = of_fixture("heights-above-the-sea", "terrain.offset=min")
     assert lowest.heights.min() == 0.0
