@@ -12,12 +12,14 @@ from walking_console.planner.protocols import Planner, PlannerSetup
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.types import Blocked, Command, Stance, StepPlan
 
-from .snapshot import Snapshot
+from .snapshot import Snapshot, TerrainView
 
 STEPS_MAX = 200  # planned at most; larger: a far place keeps a core busy for long
 NEAR = 0.03  # m from the place at which it is reached
 OFF_COURSE = math.radians(3.0)  # from the bearing of the place at which the course is set anew
 VAIN_STEPS = 12  # that come no nearer, after which there is no way
+AT_HAND = 3.0  # m from where the ground at hand ends that a way is blocked for no other reason
+BEYOND = "it leads beyond the ground that is at hand"
 GAIN = 0.003  # m a step must come nearer to count
 
 
@@ -39,7 +41,8 @@ def preview_route(
     """Plan step after step towards ``place`` (x, y in m, absolute) at ``speed`` m/s, on the ground
     as it is shown, by the planner that walks; the body keeps its heading.
 
-    Bounded by the count of steps. Nothing of the walk itself is touched.
+    Bounded by the count of steps, and on a wide map by the window about the machine. Nothing of the
+    walk itself is touched.
     """
     walk = _Ahead(_stance_of(snapshot), place)
     planner, ground = _planner_of(snapshot), _ground_of(snapshot)
@@ -48,7 +51,8 @@ def preview_route(
             return walk.ending(f"farther than {steps_max} steps")
         plan = planner.plan_step(walk.stance, Command(walk.steer(), speed), ground)
         if isinstance(plan, Blocked):
-            return walk.ending(plan.text)
+            ends = _ends_at_hand(snapshot.terrain, walk.stance)
+            return walk.ending(BEYOND if ends else plan.text)
         walk.take(plan)
         if walk.vain == VAIN_STEPS:
             return walk.ending("it comes no nearer")
@@ -106,6 +110,21 @@ def _ground_of(snapshot: Snapshot) -> TerrainMap:
     return TerrainMap.from_heights(
         view.heights, view.cell, snapshot.machine, view.origin, view.forbidden
     )
+
+
+def _ends_at_hand(view: TerrainView, stance: Stance) -> bool:
+    """Whether the window of a wide map ends near a stance, and the map goes on there."""
+    if view.whole is None:
+        return False
+    x, y = stance.body[:2]
+    for axis, at in enumerate((y, x)):
+        first, count = view.corner[axis], view.heights.shape[axis]
+        before = at - view.origin[1 - axis]
+        if first > 0 and before < AT_HAND:
+            return True
+        if first + count < view.whole.shape[axis] and count * view.cell - before < AT_HAND:
+            return True
+    return False
 
 
 def _stance_of(snapshot: Snapshot) -> Stance:

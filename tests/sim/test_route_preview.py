@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from walking_console import Simulation, load_scenario
-from walking_console.sim.route_preview import NEAR, preview_route
+from walking_console.sim.route_preview import BEYOND, NEAR, preview_route
 
 
 def test_a_place_on_level_ground_is_reached_in_the_steps_and_time_the_walk_then_takes() -> None:
@@ -53,3 +53,11 @@ def test_a_walk_goes_on_as_if_nothing_had_been_planned_ahead() -> None:
                 preview_route(replace(sim.snapshot()), (1.5, 0.5), 0.1, steps_max=10)
         places.append(sim.snapshot().body)
     assert places[0] == places[1]
+
+
+def test_a_way_beyond_the_window_of_a_wide_map_is_told_as_that() -> None:
+    terrain = "terrain={kind='rough', amplitude=0.02, map_size=[200.0, 200.0]}"
+    seen = Simulation(load_scenario("rough", (terrain, "expect={}"))).snapshot()
+    assert preview_route(seen, (4.0, 0.0), 0.1).reachable
+    beyond = preview_route(seen, (30.0, 0.0), 0.1)
+    assert not beyond.reachable and beyond.reason == BEYOND
