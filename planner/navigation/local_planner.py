@@ -32,6 +32,8 @@ from .costmap import ACROSS, LAYER, Costmap, Region, is_plain
 Corners = tuple[tuple[float, float], ...]
 
 ON_LINE = 0.02  # m; nearer than this the command is walked as it came
+GOT_ON = 0.05  # m; a body that gets on by less stays where it is
+STAYS_MAX = 8  # steps on one course before another is offered. More: see it mark time
 REACHED = 0.12  # m; a corner this near is passed in the next step
 NEAR_CRITICAL = math.radians(4.0)  # the margin vanishes at α_c
 # places a way may shift from layer to layer: 0, 22, 39 and 58 degrees
@@ -52,6 +54,27 @@ _RIGHT = len(SHIFTS) + 1
 
 
 @dataclass(frozen=True, slots=True)
+class Stays:
+    """Where the body has been since it last got on: for how many steps, and the courses against the
+    line that have not led away from there.
+    """
+
+    place: tuple[float, float] = (math.inf, math.inf)
+    steps: int = 0
+    courses: tuple[float, ...] = ()
+
+    def after(self, stance: Stance, offset: float, got_on: float) -> Stays:
+        """The same one step on, the last of them on course ``offset``."""
+        x, y = stance.body[:2]
+        if math.dist(self.place, (x, y)) > got_on:
+            return Stays((x, y))
+        steps = self.steps + 1
+        leads_nowhere = steps % STAYS_MAX == 0
+        courses = (*self.courses, offset) if leads_nowhere else self.courses
+        return replace(self, steps=steps, courses=courses)
+
+
+@dataclass(frozen=True, slots=True)
 class RouteState:
     """What Level B1 remembers from step to step: the commanded line, and the corner of the way
     round it is making for.
@@ -65,6 +88,7 @@ class RouteState:
     off_line: float = 0.0  # m, where the body is, to the left of the line
     speed_limit: float = math.inf  # m/s, for ground not seen yet
     way: Corners = ()  # corners of the way ahead, absolute; () when it is the commanded line
+    stays: Stays = Stays()  # since when the body has not got on
 
     @property
     def detours(self) -> bool:
@@ -129,7 +153,7 @@ class LocalPlanner:
     ) -> PlanningJob:
         if self._commanded is not None:
             command = replace(command, speed=self._commanded.speed)
-        refused: list[float] = []
+        refused = self._led_nowhere(stance, machine)
         first: tuple[RouteState, StepPlan | Blocked] | None = None
         for _ in range(max(1, self.settings.courses_max)):
             steered, route, why = yield from routing(
@@ -156,6 +180,12 @@ class LocalPlanner:
         if isinstance(first[1], StepPlan) or command.turn_rate != 0.0:
             return first[1]
         return (yield from self._naming_the_bar(first[1], machine, stance, terrain))
+
+    def _led_nowhere(self, stance: Stance, machine: Machine) -> list[float]:
+        """Courses against the line on which the body has not got on from where it is."""
+        stays = self.route.stays.after(stance, self.route.offset, GOT_ON * machine.size)
+        self.route = replace(self.route, stays=stays)
+        return list(stays.courses)
 
     def _naming_the_bar(
         self, answer: Blocked, machine: Machine, stance: Stance, terrain: TerrainMap

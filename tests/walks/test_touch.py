@@ -101,14 +101,23 @@ def test_a_foot_that_cannot_be_drawn_over_a_wall_goes_back_to_where_it_stood() -
     assert_stands_well(told)
 
 
-@pytest.mark.parametrize(("height", "angle"), [(0.6, 15), (0.6, 30)])
+@pytest.mark.parametrize(
+    ("mode", "height", "angle"),
+    [
+        ("predictive", 0.6, 15),
+        ("predictive", 0.6, 30),
+        ("paper", 0.4, 0),
+        ("paper", 0.6, 15),
+        ("paper", 1.0, 45),
+    ],
+)
 def test_a_wall_that_is_seen_is_gone_round_with_legs_body_and_sway_clear_of_it(
-    height: float, angle: int
+    mode: str, height: float, angle: int
 ) -> None:
     told = walk(
         "block",
         "sensing=eye",
-        "mode=predictive",
+        f"mode={mode}",
         f"terrain.height={height}",
         f"terrain.angle_deg={angle}",
         "terrain.at=2.4",

@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 
 from walking_console.planner.config import DEFAULT, Navigation
+from walking_console.planner.motion.step_builder import holding_plan
 from walking_console.planner.navigation.local_planner import (
     ON_LINE,
+    STAYS_MAX,
     LocalPlanner,
     RouteState,
     plan_route,
@@ -342,6 +344,26 @@ def test_a_planner_of_steps_is_asked_for_another_course_where_it_finds_none():
         local = LocalPlanner(settings=Navigation(courses_max=most))
         answer = run_to_completion(local.plan(steps, MACHINE, stance_at(), AHEAD, terrain))
         assert isinstance(answer, Blocked) and len(set(asked)) == len(asked) == most
+
+
+def test_a_course_on_which_the_body_does_not_get_on_is_left_for_another_until_it_does():
+    asked = []
+
+    def steps(stance, command, terrain):
+        asked.append(command.crab_angle)
+        yield None
+        return holding_plan(stance)
+
+    terrain = map_of(with_hole(1.0, 1.4, -0.6, 0.6))
+    local = LocalPlanner()
+    for _ in range(2 * STAYS_MAX + 2):
+        run_to_completion(local.plan(steps, MACHINE, stance_at(), AHEAD, terrain))
+    asked.pop(0)  # with which the line began
+    first, second, third = asked[0], asked[STAYS_MAX], asked[2 * STAYS_MAX]
+    assert asked == [first] * STAYS_MAX + [second] * STAYS_MAX + [third]
+    assert min(abs(first - second), abs(first - third), abs(second - third)) > math.radians(8.0)
+    run_to_completion(local.plan(steps, MACHINE, stance_at(0.06), AHEAD, terrain))
+    assert local.route.stays.courses == ()
 
 
 def test_where_no_leg_can_step_the_reason_names_what_bars_the_line_as_the_map_has_it():
