@@ -85,6 +85,7 @@ class SearchContext:
         self.smallest = SMALL * size  # m, the least margin asked for
         self.on_the_spot = ON_THE_SPOT * size
         self.must_get_on = stance.still >= STILL_MAX
+        self.stretched_ways: Any = None  # once they have been looked for (``recovery``)
 
     def to_the_edge(self) -> SearchContext:
         """The same with steps on the very edge of stability."""
@@ -108,13 +109,9 @@ class SearchContext:
 
     def accepts(self, node: Node) -> Accepts | None:
         """What refuses footholds for their height; None where there are no heights to mind."""
-        return None if node.stand is None else self._checks_at(node).refuses
+        return None if node.stand is None else self.checks_at(node).refuses
 
-    def has_room(self, node: Node, shift: BodyShift) -> bool:
-        """False for a four-leg shift into something tall."""
-        return node.stand is None or not self._checks_at(node).is_barred(shift)
-
-    def _checks_at(self, node: Node) -> FootholdChecks:
+    def checks_at(self, node: Node) -> FootholdChecks:
         if self._latest[0] is not node:
             self._latest = node, FootholdChecks(node.posture, self.request, node.stance)
             self._latest[1].work = self.here.work
@@ -131,7 +128,7 @@ class SearchContext:
             posture = after(node.posture, candidate)
             if node.stand is None:
                 return Node(posture, None)
-            return Node(posture, partial(self._checks_at(node).stance_after, posture, candidate))
+            return Node(posture, partial(self.checks_at(node).stance_after, posture, candidate))
         posture = shifted(node.posture, candidate)
         stance = node.stance
         if stance is None:

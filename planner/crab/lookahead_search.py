@@ -159,7 +159,9 @@ def look_wide(context: SearchContext) -> StepSearch:
 def any_steps(context: SearchContext, node: Node, short: bool = True) -> Iterator[Candidate]:
     """Any foothold in reach and the four-leg shifts, one by one: all at once is a long slice."""
     yield from wide_steps(context, node, short)
-    yield from (shift for shift in body_shifts(node.posture) if context.has_room(node, shift))
+    for shift in body_shifts(node.posture):
+        if node.stand is None or not context.checks_at(node).is_barred(shift):
+            yield shift
 
 
 def _options(

@@ -60,8 +60,10 @@ def by_stretching(context: SearchContext, least: float) -> RecoveryJob:
     """The commanded course with legs stretched to the mechanical limit, if that gains more than
     ``least`` m a step: wider gaps, slowly.
     """
-    far = SearchContext(context.request, context.request.command.crab_angle, stretched=True)
-    found = yield from best_of(far)
+    if context.stretched_ways is None:
+        far = SearchContext(context.request, context.request.command.crab_angle, stretched=True)
+        context.stretched_ways = far, (yield from best_of(far))
+    far, found = context.stretched_ways
     return Recovery("stretch", far, found.ways) if found.pace > least else None
 
 

@@ -18,6 +18,7 @@ from tests.planner.crab.crab_walks import (
     random_stance,
 )
 from walking_console.planner.crab import predictive_planner, recovery
+from walking_console.planner.crab.candidates import SearchContext
 from walking_console.planner.crab.gait import nominal_gait, standard_stance
 from walking_console.planner.crab.steps import StepRequest
 from walking_console.planner.initial_stance import Placement
@@ -171,3 +172,22 @@ def test_a_step_back_leads_past_where_the_walk_would_end(seed, monkeypatch):
     assert all(isinstance(plan, StepPlan) for _, plan in plans)
     monkeypatch.setattr(recovery, "_by_a_step_back", none)
     assert isinstance(walk(order, terrain, 0.2, steps=8, stance=stance)[-1][1], Blocked)
+
+
+def test_stretched_ways_are_looked_for_once_however_much_they_must_gain():
+    terrain = river(0.3, 0.9)
+    stance = standard_stance(TITAN, gait(), Placement((0.0, 0.0, 0.0), lambda x, y: 0.0))
+    context = SearchContext(StepRequest(stance, command(0), terrain, TITAN, gait()), 0.0)
+    slices = []
+    for least in (0.0, 9.0, 0.0):
+        job = recovery.by_stretching(context, least)
+        count = 0
+        while True:
+            try:
+                next(job)
+                count += 1
+            except StopIteration as done:
+                slices.append((count, done.value is not None))
+                break
+    assert slices[0] == (slices[0][0], True) and slices[0][0] > 0
+    assert slices[1:] == [(0, False), (0, True)]
