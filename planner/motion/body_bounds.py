@@ -13,7 +13,7 @@ from ..geometry.polygons import Polygon
 from ..geometry.transforms import XY
 from ..stability import GRAVITY, polygon_margin
 from ..types import Gait, Stance
-from .body_path import edges_across
+from .body_path import OFFSET_MAX, edges_across
 
 RESERVE = 0.005  # m of margin that slowing down leaves; less: see the machine rock as it stops
 BRISK = 0.5  # m/s², most of a body that walks; more: see it rock on legs that give
@@ -29,6 +29,7 @@ class Bounds(NamedTuple):
     margin: float  # m, of the polygon
     acceleration: float  # m/s², at which the margin is just kept
     height: float = 0.0  # of the body above its feet, m; 0 where the acceleration is given
+    aside: float = OFFSET_MAX  # m aside of the reference, that a way goes which could go nearer
 
     def brisk(self, margin: float) -> float:
         """The most a body with a margin, m, may speed up, slow down or swing aside as it walks,

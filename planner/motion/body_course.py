@@ -219,6 +219,15 @@ class Course:
         """
         return self._room.beyond(body, self._standing[lifted], lean)
 
+    @property
+    def is_among_tall(self) -> bool:
+        """True when something tall is near."""
+        return self._room.is_among_tall
+
+    def is_met(self, body: Body, feet: Sequence[Point]) -> bool:
+        """True when a leg is in something tall with body and feet there."""
+        return self._room.is_met(body, feet)
+
     def within_reach(self, length: float) -> float:
         """A length of the reference, or what of it is left in halves of it until every foot that
         stands before a leg lifts is within reach, m.

@@ -35,6 +35,7 @@ from ..types import Gait, Phase, Point, Stance, StepPlan
 from .body_bounds import Bounds, bounds_of, room_ahead
 from .body_course import FLAT_MIN, STILL, Course, centre_over, first_swing
 from .body_path import (
+    OFFSET_MAX,
     Key,
     Knot,
     SupportPhase,
@@ -47,6 +48,7 @@ from .body_path import (
 )
 from .body_tilt import LEVEL, Lean
 from .step_builder import as_feet, as_table, changed
+from .swing import between
 from .swing_profile import (
     SwingTable,
     as_planned,
@@ -66,6 +68,7 @@ BRAKING = 0.8  # of the acceleration a body may have, for slowing down ahead of 
 UNHURRIED = 0.3  # s on all feet in which the body gets back to where it should lift a leg
 STILL_FOOT = (0.0, 0.0, 0.0)  # m/s
 BETWEEN = tuple(k / 8 for k in range(1, 8))  # of a stretch, where its reach is looked at
+NEAR = 0.025  # m aside of the reference, to which a way is led that leads a leg into something
 STOPPED_BY = 0.6  # of a step's time; an offset that cannot be stopped by then is led back at once
 
 
@@ -117,7 +120,7 @@ def swayed(
         waited = _within_reach(task, table.after_a_wait(max(seconds, UNHURRIED) + SOONEST, 0.0))
         if waited.margin(machine) > way.margin(machine) + LACK:
             way = waited
-    return way.plan(plan, gait.smooth, machine)
+    return _clear_of_tall(task, table, way).plan(plan, gait.smooth, machine)
 
 
 class _Task(NamedTuple):
@@ -149,6 +152,22 @@ def _within_reach(task: _Task, table: _Table) -> _Way:
         if beyond <= 0.0:
             break
     return best
+
+
+def _clear_of_tall(task: _Task, table: _Table, way: _Way) -> _Way:
+    """The way, or where a leg is led into something tall on it one nearer to the reference, which
+    keeps the margin as well; at last without heed of the supports to come.
+    """
+    least = _meetings(way) if task.course.is_among_tall else 0
+    kept = min(way.margin(task.machine), task.bounds.margin) - SPARE
+    for aside, ahead in ((NEAR, task.ahead), (0.0, task.ahead), (0.0, ())) if least else ():
+        bounds = task.bounds._replace(aside=aside)
+        near = _within_reach(task._replace(bounds=bounds, ahead=ahead), table)
+        meetings = _meetings(near)
+        if meetings < least and near.margin(task.machine) >= kept:
+            way = near
+            least = meetings
+    return way
 
 
 def _stops(task: _Task) -> Iterator[Stop]:
@@ -350,11 +369,11 @@ class _Way:
         if stop is None:
             seconds = 0.0
             along = _coming_back(start, back, braking)
-            gates = _gates(table, course, ahead, bounds.margin + SPARE, along)
+            gates = _near(_gates(table, course, ahead, bounds.margin + SPARE, along), bounds.aside)
             across = through_gates(beside, gates)
-            between = _gate_between(task, table, (progress, along, across))
-            if between is not None:
-                across = through_gates(beside, sorted([*gates, between]))
+            inner = _gate_between(task, table, (progress, along, across))
+            if inner is not None:
+                across = through_gates(beside, sorted([*gates, inner]))
         else:
             seconds = stop.seconds(rest)
             along = [start, _stopped(start, seconds), Knot(back, 0.0, 0.0)]
@@ -516,6 +535,17 @@ class _Way:
         return self._least
 
 
+def _meetings(way: _Way) -> int:
+    """At how many of a way's knots, and places between them, a leg is in something tall."""
+    bodies = [row.body for row in way.rows]
+    feet = list(way.table.feet)
+    rows = zip(pairwise(way.table.times), pairwise(way.rows), pairwise(way.table.feet), strict=True)
+    for (begin, end), (before, after), (first, last) in rows:
+        bodies.append(_between(before, after, end - begin, 0.5))
+        feet.append([between(a, b, 0.5) for a, b in zip(first, last, strict=True)])
+    return sum(way.course.is_met(body, tips) for body, tips in zip(bodies, feet, strict=True))
+
+
 def _between(before: Motion, after: Motion, seconds: float, share: float) -> Body:
     """The body after a share of the cubic from one motion to another."""
     left = 1.0 - share
@@ -673,6 +703,13 @@ def _gates(
             bounds = lateral_bounds(support.polygon, x + dx, y + dy, side, margin)
             _add(keys, last + time, bounds)
     return keys or [Key(last, 0.0, 0.0)]
+
+
+def _near(gates: list[Key], aside: float) -> list[Key]:
+    """The gates with what is nearer to the reference left open, where anything is."""
+    if aside >= OFFSET_MAX:
+        return gates
+    return [Key(time, *meeting((low, high), (-aside, aside))) for time, low, high in gates]
 
 
 def _gate_between(

@@ -120,6 +120,17 @@ class SwayRoom:
             return True
         return leg_in_the_way(self._tall, self._machine, body, feet) is not None
 
+    @property
+    def is_among_tall(self) -> bool:
+        """True when something tall is near."""
+        return self._tall is not None
+
+    def is_met(self, body: Body, feet: StandingFeet) -> bool:
+        """True when a leg, its foot in the air or not, is in something tall."""
+        if self._tall is None:
+            return False
+        return leg_in_the_way(self._tall, self._machine, body, feet) is not None
+
     def beyond(self, body: Body, feet: StandingFeet, lean: Lean = LEVEL) -> float:
         """How far the farthest foot that stands is outside of its leg's mechanical reach with the
         body there, m; negative inside.

@@ -13,7 +13,7 @@ from walking_console.planner.crab.gait import standard_stance
 from walking_console.planner.crab.planner import plan_step
 from walking_console.planner.crab.steps import StepRequest
 from walking_console.planner.geometry.polygons import Polygon
-from walking_console.planner.geometry.transforms import Body, seen
+from walking_console.planner.geometry.transforms import Body, placed, seen
 from walking_console.planner.initial_stance import Placement
 from walking_console.planner.motion.body_bounds import BRISK, bounds_of
 from walking_console.planner.motion.body_course import centre_over
@@ -21,6 +21,7 @@ from walking_console.planner.motion.body_path import SupportPhase
 from walking_console.planner.motion.body_sway import swayed
 from walking_console.planner.motion.body_tilt import Lean
 from walking_console.planner.motion.step_builder import changed, holding_plan
+from walking_console.planner.robot.collision import leg_in_the_way
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.stability import GRAVITY, polygon_margin, support_polygon
 from walking_console.planner.terrain.map import TerrainMap
@@ -245,3 +246,48 @@ def test_the_legs_of_a_body_that_leans_reach_their_feet_and_keep_their_speed():
             assert (moved <= np.array(TITAN.speed) * 1.01).all()
         before = feet
     assert tracker.duration < 1.5 * float(level.times[-1])
+
+
+def test_a_body_that_would_lead_a_leg_into_a_pole_goes_nearer_to_its_reference():
+    """Twenty poles, each on the line of a leg of the swayed body and not of one as decided."""
+    stance, decided, plan = walked(90, 3)[-1]
+    ahead = expected_supports(decided, Command(math.radians(90), 0.08), TITAN, GAIT)
+    before = after = 0
+    for cell in sorted(cells_beside(plan, decided)):
+        heights = np.zeros((400, 400))
+        heights[cell] = 1.5
+        terrain = TerrainMap(heights, heights > 0.0, 0.05, (-10.0, -10.0), TITAN.foot_radius)
+        way = swayed(decided, stance, ahead, GAIT, TITAN, terrain)
+        before += met(plan, terrain)
+        after += met(way, terrain)
+        assert met(way, terrain) <= met(plan, terrain)
+    assert 0 < after < 0.4 * before
+
+
+def met(plan: StepPlan, terrain: TerrainMap) -> int:
+    """Ticks of a plan in which a leg's line is in something tall."""
+    tracker = TrajectoryTracker(plan)
+    times = np.arange(0.0, tracker.duration, TICK).tolist()
+    feet = ([tracker.foot_at(leg, t) for leg in range(4)] for t in times)
+    rows = zip(times, feet, strict=True)
+    return sum(leg_in_the_way(terrain, TITAN, tracker.body_at(t), at) is not None for t, at in rows)
+
+
+def cells_beside(plan: StepPlan, decided: StepPlan) -> set[tuple[int, int]]:
+    """Cells that lines of legs go through with the body swayed, and not with it on its way as
+    decided.
+    """
+    lines = []
+    for way in (plan, decided):
+        tracker = TrajectoryTracker(way)
+        cells = set()
+        for t in np.arange(0.0, tracker.duration, TICK).tolist():
+            x, y, _, yaw = tracker.body_at(t)
+            for leg in range(4):
+                foot = tracker.foot_at(leg, t)
+                hip = placed((x, y, yaw), *TITAN.hips[leg])
+                for share in np.linspace(0.0, 0.8, 40).tolist():
+                    px, py = (a + share * (b - a) for a, b in zip(hip, foot[:2], strict=True))
+                    cells.add((math.floor((py + 10.0) / 0.05), math.floor((px + 10.0) / 0.05)))
+        lines.append(cells)
+    return lines[0] - lines[1]
