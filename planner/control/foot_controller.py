@@ -76,6 +76,7 @@ def reflex(
         rate = bent(rate, bend, s)
     x, y, z = body[0] + rate[0] * s, body[1] + rate[1] * s, body[2] + rate[2] * s
     heading = body[3] + rate[3] * s
+    playback.here = t_next, (x, y, z, heading)
 
     landed: tuple[int, ...] = ()
     if air:

@@ -54,6 +54,7 @@ class TrajectoryTracker:
         "asked",
         "stretches",
         "rises",
+        "here",
         "_times",
         "_last",
         "_paces",
@@ -81,6 +82,8 @@ class TrajectoryTracker:
                 for k, stretch in enumerate(self.stretches)
             ]
         self.rises = _rises(self.stretches)
+        # when it was last evaluated, and where the body was then
+        self.here: tuple[float, Body] = (math.nan, (0.0, 0.0, 0.0, 0.0))
         self._last = 0
         self._paces: list[float] | None = None
         after = plan.end.lean
@@ -108,6 +111,9 @@ class TrajectoryTracker:
 
     def body_at(self, t: float) -> Body:
         """Where the plan has the body at t: x, y, z, yaw."""
+        when, here = self.here
+        if when == t:
+            return here
         stretch = self.stretches[self.stretch(t)]
         s = min(max(t, 0.0), self.duration) - stretch.start
         x, y, z, yaw = stretch.body

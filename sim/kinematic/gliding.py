@@ -21,9 +21,13 @@ def glide(q: Configuration, support: Support, motions: Sequence[FootMotion]) -> 
     tips = q.tips
     carrying = q.carrying
     r = q.rotation
-    dx, dy, dz = motions[carrying[0]]
+    first = motions[carrying[0]]
+    dx, dy, dz = first
     for leg in carrying:
-        ax, ay, az = motions[leg]
+        motion = motions[leg]
+        if motion is first:
+            continue
+        ax, ay, az = motion
         if not (-SAME < ax - dx < SAME and -SAME < ay - dy < SAME and -SAME < az - dz < SAME):
             return _glide_turning(q, support, motions)
     x = body[0] - (r[0] * dx + r[1] * dy + r[2] * dz)

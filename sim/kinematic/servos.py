@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from walking_console.planner.robot.model import Machine
 from walking_console.planner.types import TICK, Point
@@ -11,6 +11,9 @@ from .configuration import FootMotion
 
 # x_min, x_max, y_min, y_max, z_min, z_max of a foot tip in body axes, m
 MechanicalReach = tuple[float, float, float, float, float, float]
+
+
+NONE: FootMotion = (0.0, 0.0, 0.0)
 
 
 class Servos:
@@ -27,24 +30,30 @@ class Servos:
         limits and reach. NaN does not move.
         """
         sx, sy, sz = self.stride
-        motions = []
-        for (vx, vy, vz), (px, py, pz), (x0, x1, y0, y1, z0, z1) in zip(
+        motions: list[FootMotion] = []
+        before: Point | None = None
+        motion = NONE
+        for velocity, (px, py, pz), (x0, x1, y0, y1, z0, z1) in zip(
             velocities, tips, self.reach, strict=True
         ):
-            dx, dy, dz = vx * TICK, vy * TICK, vz * TICK
-            if not -sx <= dx <= sx:
-                dx = _limited(dx, sx)
-            if not -sy <= dy <= sy:
-                dy = _limited(dy, sy)
-            if not -sz <= dz <= sz:
-                dz = _limited(dz, sz)
-            if not x0 <= px + dx <= x1:
-                dx = _into(px, dx, x0, x1)
-            if not y0 <= py + dy <= y1:
-                dy = _into(py, dy, y0, y1)
-            if not z0 <= pz + dz <= z1:
-                dz = _into(pz, dz, z0, z1)
-            motions.append((dx, dy, dz))
+            if velocity is not before:  # carrying legs are all given one
+                before = velocity
+                vx, vy, vz = velocity
+                dx, dy, dz = vx * TICK, vy * TICK, vz * TICK
+                if not -sx <= dx <= sx:
+                    dx = _limited(dx, sx)
+                if not -sy <= dy <= sy:
+                    dy = _limited(dy, sy)
+                if not -sz <= dz <= sz:
+                    dz = _limited(dz, sz)
+                motion = dx, dy, dz
+            else:
+                dx, dy, dz = motion
+            if x0 <= px + dx <= x1 and y0 <= py + dy <= y1 and z0 <= pz + dz <= z1:
+                motions.append(motion)
+            else:
+                at = (px, dx, x0, x1), (py, dy, y0, y1), (pz, dz, z0, z1)
+                motions.append(_within(at))
         return motions
 
 
@@ -60,6 +69,14 @@ def _limited(motion: float, most: float) -> float:
     if motion > most:
         return most
     return -most if motion < -most else 0.0
+
+
+def _within(ways: Iterable[tuple[float, float, float, float]]) -> FootMotion:
+    """As much of a motion as the reach allows: along each axis where the foot is, how far it is to
+    go, and the reach.
+    """
+    x, y, z = (way[1] if way[2] <= way[0] + way[1] <= way[3] else _into(*way) for way in ways)
+    return x, y, z
 
 
 def _into(position: float, motion: float, low: float, high: float) -> float:
