@@ -6,9 +6,10 @@ from __future__ import annotations
 
 import math
 
+from walking_console.planner.geometry.polygons import Polygon
 from walking_console.planner.geometry.transforms import direction, left_fold_sum
 from walking_console.planner.stability import GRAVITY, support_polygon
-from walking_console.planner.types import TICK, Point
+from walking_console.planner.types import TICK
 
 from ..terrain.ground import Ground
 from .configuration import SOLE_GAP, STEP_UP, XY, Configuration
@@ -49,7 +50,11 @@ class Support:
         self.q = q
         self.edges: list[PolygonSide] = []  # of the support polygon
         self.quiet = False
+        self._places: list[XY] = []  # of the feet that carry
+        self._polygon: Polygon = ()
         self._slope = (0.0, 0.0)  # mean, under the carrying feet
+        # of each leg: the ground and the place whose slope was looked at last, and the slope
+        self._slopes: list[tuple[Ground, float, float, XY] | None] = [None] * len(q.feet)
         self._pull = [[0.0, 0.0] for _ in q.feet]  # m each carrying leg is pulled aside
         self._weight = q.machine.mass * GRAVITY
 
@@ -62,25 +67,44 @@ class Support:
         for leg in q.carrying:
             q.soles[leg] = True
             q.whiskers[leg] = 0
-        polygon = support_polygon(q.feet[leg] for leg in q.carrying)
-        self.edges = [
-            (ay - by, bx - ax, (bx - ax) * ay - (by - ay) * ax - ROUNDING)
-            for (ax, ay), (bx, by) in zip(polygon, (*polygon[1:], *polygon[:1]), strict=True)
-        ]
+        before = self._polygon
+        polygon = self._polygon_now()
+        if polygon is not before:
+            self.edges = [
+                (ay - by, bx - ax, (bx - ax) * ay - (by - ay) * ax - ROUNDING)
+                for (ax, ay), (bx, by) in zip(polygon, (*polygon[1:], *polygon[:1]), strict=True)
+            ]
         self._slope = self._mean_slope()
         steep = math.hypot(*self._slope) > STEEP * q.machine.friction
         disturbed = q.push_ticks or steep or q.contact.sliding or falling
         self.quiet = len(polygon) > 2 and not disturbed
 
+    def _polygon_now(self) -> Polygon:
+        """The support polygon; the same object while the same places carry."""
+        places = [(foot[0], foot[1]) for foot in map(self.q.feet.__getitem__, self.q.carrying)]
+        if places != self._places:
+            self._places = places
+            self._polygon = support_polygon(places)
+        return self._polygon
+
     def _mean_slope(self) -> XY:
         q = self.q
         if q.ground.level is not None or not q.carrying:
             return 0.0, 0.0
-        radius = q.machine.foot_radius
         n = len(q.carrying)
-        slopes = [slope_at(q.ground, q.feet[leg][0], q.feet[leg][1], radius) for leg in q.carrying]
+        slopes = [self._slope_under(leg) for leg in q.carrying]
         along_x = left_fold_sum(slope[0] for slope in slopes) / n
         return along_x, left_fold_sum(slope[1] for slope in slopes) / n
+
+    def _slope_under(self, leg: int) -> XY:
+        """The slope under a foot: looked at once for each place it stands in."""
+        ground = self.q.ground
+        x, y, _ = self.q.feet[leg]
+        kept = self._slopes[leg]
+        if kept is None or kept[0] is not ground or kept[1] != x or kept[2] != y:
+            slope = slope_at(ground, x, y, self.q.machine.foot_radius)
+            kept = self._slopes[leg] = ground, x, y, slope
+        return kept[3]
 
     # -- where the body goes
 
@@ -124,12 +148,17 @@ class Support:
         """Lay the body on its feet; feet that then hang by more than a sole gives are let go."""
         q = self.q
         laid: Rest | None = None
+        polygon = self._polygon_now()
+        if len(polygon) < 3:
+            return
+        places = [q.feet[leg] for leg in q.carrying]
+        lengths = [q.tips[leg][2] for leg in q.carrying]
         for _ in range(RESTS_MAX):
             x, y, z, _, _, yaw = q.body
-            feet = [(q.feet[leg][0] - x, q.feet[leg][1] - y, q.feet[leg][2]) for leg in q.carrying]
-            lengths = [q.tips[leg][2] for leg in q.carrying]
+            feet = [(fx - x, fy - y, fz) for fx, fy, fz in places]
             now = Rest(z, *lean(q.rotation))
-            laid = self._laid(feet, lengths, now)
+            px, py = nearest_inside(polygon, *q.load_point())
+            laid = rest(feet, lengths, px - q.body[0], py - q.body[1], now)
             if laid is None:
                 return
             if abs(laid.z - z) > EXACT:
@@ -137,8 +166,7 @@ class Support:
             if abs(laid.lean_x - now.lean_x) <= EXACT and abs(laid.lean_y - now.lean_y) <= EXACT:
                 break
             level = abs(laid.lean_x) < EXACT and abs(laid.lean_y) < EXACT
-            roll, pitch = (0.0, 0.0) if level else attitude(laid.lean_x, laid.lean_y, yaw)
-            q.turn_to(x, y, yaw, roll, pitch)
+            q.body[3:5] = (0.0, 0.0) if level else attitude(laid.lean_x, laid.lean_y, yaw)
             # a body that tilts goes sideways over its feet, and there lies a little higher or lower
             self.follow()
         assert laid is not None
@@ -147,15 +175,6 @@ class Support:
             gap = laid.z - laid.lean_x * ex - laid.lean_y * ey - height + stretch * length
             if gap > SOLE_GAP:
                 self.let_go(leg)
-
-    def _laid(self, feet: list[Point], lengths: list[float], now: Rest) -> Rest | None:
-        """How the body lies on feet seen from its centre of gravity; None: they cannot carry it."""
-        q = self.q
-        polygon = support_polygon(q.feet[leg] for leg in q.carrying)
-        if len(polygon) < 3:
-            return None
-        x, y = nearest_inside(polygon, *q.load_point())
-        return rest(feet, lengths, x - q.body[0], y - q.body[1], now)
 
     def let_go(self, leg: int) -> None:
         """A foot that hangs: it is where the body has it, though not in the ground."""

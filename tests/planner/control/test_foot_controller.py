@@ -37,6 +37,15 @@ class TestSupport:
         out, _ = follow(swing_plan(), 0.6, sensed((0.0575, 0.01, HEIGHT, 0, 0, 0)))
         assert out[1] == out[2] == out[3]
 
+    def test_a_tick_leaves_behind_where_the_plan_has_the_body_at_its_end(self):
+        plan = swing_plan()
+        used = TrajectoryTracker(plan)
+        for t in (0.0, TICK, 0.22, 0.6, used.duration, used.duration + TICK):
+            reflex(used, t, sensed(), FRESH, Gains())
+            when, there = used.here
+            assert when == t
+            assert there == TrajectoryTracker(plan).body_at(t) == used.body_at(t)
+
     def test_a_body_that_lags_is_brought_to_where_the_plan_has_it_now(self):
         out, _ = follow(swing_plan(), 0.22, sensed((0.015, -0.002, HEIGHT - 0.003, 0, 0, 0)))
         assert out[1] == pytest.approx(

@@ -3,9 +3,11 @@
 import math
 
 import numpy as np
+import pytest
 
 from tests.sim.kinematic.machines import TITAN, one_leg, run, standing
 from walking_console.planner.types import TICK
+from walking_console.sim.kinematic.servos import Servos
 
 
 def test_no_foot_moves_faster_than_its_limit_nor_beyond_its_mechanical_reach():
@@ -28,3 +30,17 @@ def test_a_velocity_that_is_no_number_moves_nothing():
     plant = run(standing(), [(math.nan, math.inf, -math.inf)] * 4, 1)
     assert plant.body[0] == 0.0
     assert all(math.isfinite(value) for value in plant.body)
+
+
+def test_legs_given_one_velocity_go_one_way_but_for_one_at_the_end_of_its_reach():
+    servos = Servos(TITAN)
+    tips = [
+        [(low + high) / 2 for low, high in zip(box[::2], box[1::2], strict=True)]
+        for box in servos.reach
+    ]
+    tips[2][0] = servos.reach[2][1] - 0.001
+    shared = (0.5, -0.25, 0.125)
+    first, second, at_the_end, last = servos.motions([shared] * 4, tips)
+    assert first == (0.5 * TICK, -0.25 * TICK, 0.125 * TICK)
+    assert first is second is last
+    assert at_the_end == (pytest.approx(0.001), *first[1:])

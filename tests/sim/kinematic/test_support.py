@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from tests.sim.kinematic.machines import STILL, TITAN, feet_of, one_leg, run, shaped, standing
+from walking_console.sim.kinematic import support
 from walking_console.sim.kinematic.support import slope_at
 
 
@@ -15,6 +16,26 @@ def test_the_slope_under_a_foot_is_that_of_the_cells_around_it_and_a_riser_is_no
     step = shaped(lambda x, y: 0.2 if x > 0.5 else 0.0)
     assert slope_at(step, 0.48, 0.0, 0.03) == slope_at(step, 0.52, 0.0, 0.03) == (0.0, 0.0)
     assert slope_at(step, 50.0, 0.0, 0.03) == (0.0, 0.0)
+
+
+def test_edges_and_slope_are_worked_out_anew_only_where_other_places_carry(monkeypatch):
+    looked = []
+
+    def look(ground, x, y, span):
+        looked.append((x, y))
+        return slope_at(ground, x, y, span)
+
+    monkeypatch.setattr(support, "slope_at", look)
+    plant = standing(ground=shaped(lambda x, y: 0.1 * x))
+    feet = plant._support
+    edges, first = feet.edges, len(looked)
+    feet.take_stock()
+    assert feet.edges is edges
+    assert len(looked) == first == 4
+    plant.q.feet[1][0] -= 0.05
+    feet.take_stock()
+    assert feet.edges is not edges
+    assert len(looked) == 5
 
 
 class TestFeetThatFight:
