@@ -269,8 +269,13 @@ class RigidMotion(NamedTuple):
 
 
 def _still_down(stretch: PlanStretch, t: float, sensing: Sensing) -> list[int]:
-    """Legs that carry until the stretch begins: a plan may wait there for one that is to carry."""
-    return [leg for leg in stretch.air if sensing.soles[leg]] if t <= stretch.start else []
+    """Legs that carry until the stretch begins, while the plan waits there for one that is to carry
+    and hangs.
+    """
+    hangs = not all(sensing.soles[leg] for leg in stretch.stand)
+    return (
+        [leg for leg in stretch.air if sensing.soles[leg]] if hangs and t <= stretch.start else []
+    )
 
 
 def _tilt(tracker: TrajectoryTracker, t: float, sensing: Sensing) -> tuple[float, float]:

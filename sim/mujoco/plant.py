@@ -37,7 +37,7 @@ from .targets import Targets, pressing
 FALLEN_TILT = 0.6  # rad; leaning further than this is lying
 TIPPING_TILT = 0.15  # rad; leaning further, with the centre of gravity outside its feet, is tipping
 DROPPED = 2.0  # m below where it began; further down is lying at the bottom of a hole
-DRIFT = 0.002  # of the way, that leg odometry drifts by on level ground; half of it without slip
+DRIFT = 0.003  # of the way, that leg odometry drifts by on level ground; a third of it without slip
 BURIED = 0.002  # m; a foot this deep in new ground is put on top of it
 
 
