@@ -29,6 +29,7 @@ STRAIGHT = 1e-9  # m and rad that a straight reference may be off its line
 NUDGE = 0.01  # m
 HALVES = 5  # of a way onward that leads too far, until there is none
 APART = 0.008  # m between places of a reference; nearer ones: see it swing to and fro
+MUCH = 1.5  # times the margin; a smaller gain: see a small machine sway to and fro and keep less
 FLAT_MIN = 0.3  # of way over the ground per metre of a reference; one with less turns or climbs
 
 
@@ -257,12 +258,13 @@ class Course:
         return polygon_margin(self.after, *self.weight_at(when, aside, along))
 
     def turn_to_safety(self, margin: float) -> None:
-        """Where no offset across the course keeps the margin when a leg lifts, or until it lands,
-        sway away from the nearest edge instead, if that is better.
+        """Where no offset across the course keeps the margin when a leg lifts, sway away from the
+        nearest edge instead, if that is better; or until it lands, if that is much better.
         """
         if not self.after:
             return
-        ends = (self.lifting(self.lift_length), self.landing)
+        lifting = self.lifting(self.lift_length)
+        ends = (lifting, self.landing)
         when = min(ends, key=self._best)
         kept = self._best(when)
         if kept >= margin:
@@ -271,7 +273,8 @@ class Course:
         nx, ny = nearest_edge_normal(self.after, *self.weight_at(when, 0.0, 0.0))
         now = self._begins + self.turning * when.length
         self.aside = math.atan2(ny, nx) - now
-        if min(map(self._best, ends)) <= kept:
+        least = min(map(self._best, ends))
+        if least <= kept or (when is not lifting and least < min(margin, MUCH * kept)):
             self.aside = across
 
     def _best(self, when: Moment) -> float:
