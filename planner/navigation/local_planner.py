@@ -26,14 +26,14 @@ from ..geometry.transforms import seen
 from ..protocols import PlanFunction, PlanningJob, SlicedJob, run_to_completion
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
-from ..types import Array, Blocked, Command, Reason, Stance, StepPlan
+from ..types import Array, Blocked, Command, Point, Reason, Stance, StepPlan
 from .costmap import ACROSS, LAYER, Costmap, Region, is_plain
 
 Corners = tuple[tuple[float, float], ...]
 
 ON_LINE = 0.02  # m; nearer than this the command is walked as it came
 GOT_ON = 0.05  # m; a body that gets on by less stays where it is
-STAYS_MAX = 8  # steps on one course before another is offered. More: see it mark time
+STAYS_MAX = 4  # steps on one course before another is offered. More: see it mark time
 REACHED = 0.12  # m; a corner this near is passed in the next step
 NEAR_CRITICAL = math.radians(4.0)  # the margin vanishes at α_c
 # places a way may shift from layer to layer: 0, 22, 39 and 58 degrees
@@ -62,16 +62,21 @@ class Stays:
     place: tuple[float, float] = (math.inf, math.inf)
     steps: int = 0
     courses: tuple[float, ...] = ()
+    feet: tuple[Point, ...] = ()  # of the stance that was planned from last
 
     def after(self, stance: Stance, offset: float, got_on: float) -> Stays:
-        """The same one step on, the last of them on course ``offset``."""
+        """The same one step on, the last of them on course ``offset``; a step that is planned anew
+        from one stance, for a hand that trembles, is none.
+        """
+        if stance.feet == self.feet:
+            return self
         x, y = stance.body[:2]
         if math.dist(self.place, (x, y)) > got_on:
-            return Stays((x, y))
+            return Stays((x, y), feet=stance.feet)
         steps = self.steps + 1
         leads_nowhere = steps % STAYS_MAX == 0
         courses = (*self.courses, offset) if leads_nowhere else self.courses
-        return replace(self, steps=steps, courses=courses)
+        return Stays(self.place, steps, courses, stance.feet)
 
 
 @dataclass(frozen=True, slots=True)

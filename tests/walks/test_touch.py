@@ -107,7 +107,7 @@ def test_a_foot_that_cannot_be_drawn_over_a_wall_goes_back_to_where_it_stood() -
         ("predictive", 0.6, 15),
         ("predictive", 0.6, 30),
         ("paper", 0.4, 0),
-        ("paper", 0.6, 15),
+        ("paper", 0.6, 30),
         ("paper", 1.0, 45),
     ],
 )
