@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..config import DEFAULT, Navigation
-from ..geometry.transforms import seen
+from ..geometry.transforms import Body, seen
 from ..protocols import PlanFunction, PlanningJob, SlicedJob, run_to_completion
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
@@ -62,21 +62,22 @@ class Stays:
     place: tuple[float, float] = (math.inf, math.inf)
     steps: int = 0
     courses: tuple[float, ...] = ()
-    feet: tuple[Point, ...] = ()  # of the stance that was planned from last
+    body: Body | None = None  # of the stance that was planned from last
+    feet: tuple[Point, ...] = ()
 
     def after(self, stance: Stance, offset: float, got_on: float) -> Stays:
         """The same one step on, the last of them on course ``offset``; a step that is planned anew
-        from one stance, for a hand that trembles, is none.
+        from one stance, for a hand that trembles, is none, and on the line itself none counts.
         """
-        if stance.feet == self.feet:
+        if (stance.body, stance.feet) == (self.body, self.feet):
             return self
         x, y = stance.body[:2]
         if math.dist(self.place, (x, y)) > got_on:
-            return Stays((x, y), feet=stance.feet)
-        steps = self.steps + 1
-        leads_nowhere = steps % STAYS_MAX == 0
+            return Stays((x, y), body=stance.body, feet=stance.feet)
+        steps = self.steps + (offset != 0.0)
+        leads_nowhere = steps > self.steps and steps % STAYS_MAX == 0
         courses = (*self.courses, offset) if leads_nowhere else self.courses
-        return Stays(self.place, steps, courses, stance.feet)
+        return Stays(self.place, steps, courses, stance.body, stance.feet)
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,6 +4,7 @@ the line, else a reason.
 
 import math
 from dataclasses import replace
+from itertools import combinations, groupby
 
 import numpy as np
 import pytest
@@ -361,17 +362,31 @@ def test_a_course_on_which_the_body_does_not_get_on_is_left_for_another_until_it
         yield None
         return holding_plan(stance)
 
-    terrain = map_of(with_hole(1.0, 1.4, -0.6, 0.6))
+    terrain = map_of(with_hole(0.8, 2.0, -0.8, 0.4))
     local = LocalPlanner()
-    for k in range(2 * STAYS_MAX + 1):
+    for k in range(3 * STAYS_MAX):
         for _ in range(3):  # planned anew from one stance it is no other step
             run_to_completion(local.plan(steps, MACHINE, marking_time(k), AHEAD, terrain))
-    asked = asked[::3]
-    first, second, third = asked[0], asked[STAYS_MAX], asked[2 * STAYS_MAX]
-    assert asked == [first] * STAYS_MAX + [second] * STAYS_MAX + [third]
-    assert min(abs(first - second), abs(first - third), abs(second - third)) > math.radians(8.0)
+    runs = [(course, len(list(same))) for course, same in groupby(asked[::3])]
+    courses = [course for course, _ in runs]
+    assert len(set(courses)) == len(courses) >= 3 and runs[1][1] == STAYS_MAX
+    assert min(abs(a - b) for a, b in combinations(courses, 2)) > math.radians(8.0)
     run_to_completion(local.plan(steps, MACHINE, stance_at(0.06), AHEAD, terrain))
     assert local.route.stays.courses == ()
+
+
+def test_on_the_line_itself_a_body_that_gets_on_slowly_is_sent_on_no_other_course():
+    asked = []
+
+    def steps(stance, command, terrain):
+        asked.append(command.crab_angle)
+        yield None
+        return holding_plan(stance)
+
+    local = LocalPlanner()
+    for k in range(3 * STAYS_MAX):
+        run_to_completion(local.plan(steps, MACHINE, marking_time(k), AHEAD, map_of(level())))
+    assert asked == [0.0] * len(asked)
 
 
 def test_where_no_leg_can_step_the_reason_names_what_bars_the_line_as_the_map_has_it():
