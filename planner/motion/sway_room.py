@@ -116,9 +116,8 @@ class SwayRoom:
         if self._tall is None:
             return False
         x, y, z, yaw = body
-        if torso_clearance(self._tall, self._machine, x, y, yaw, z) > z:
-            return True
-        return leg_in_the_way(self._tall, self._machine, body, feet) is not None
+        lowest = torso_clearance(self._tall, self._machine, x, y, yaw, z)
+        return lowest > z or self.is_met(body, feet)
 
     @property
     def is_among_tall(self) -> bool:
