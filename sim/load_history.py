@@ -13,7 +13,7 @@ from walking_console.planner.stability import GRAVITY
 from walking_console.planner.statics import RAMP, load_share, planned_loads, pushed_at
 from walking_console.planner.types import TICK
 
-from .margins import true_centre
+from .margin_history import true_centres
 
 _Floats = NDArray[np.float64]
 
@@ -76,10 +76,9 @@ def loads_over(
     """
     if changes is None:
         changes = np.zeros((len(body), 2))
-    rows = zip(body.tolist(), feet.tolist(), changes.tolist(), shares.tolist(), strict=True)
-    centres = np.array(
-        [pushed_at(true_centre(machine, at, on), change, on, part) for at, on, change, part in rows]
-    ).reshape(-1, 2)
+    true = true_centres(machine, body, feet).tolist()
+    rows = zip(true, changes.tolist(), feet.tolist(), shares.tolist(), strict=True)
+    centres = np.array([pushed_at(*row) for row in rows]).reshape(-1, 2)
     weight = machine.mass * GRAVITY
     arms = np.concatenate(
         [np.ones((*shares.shape, 1)), feet[:, :, :2] - centres[:, None, :]], axis=2

@@ -38,6 +38,9 @@ def inverse(chain: LegChain, foot: Point) -> Joints | None:
     Of several solutions the first in a fixed order: facing the foot before facing away from it,
     the knee up (insect) or forward (mammal) before the other way.
     """
+    if chain.kind == "slides":  # the one solution there is, asked for of every leg in every tick
+        spot = _in_leg(chain, foot)
+        return spot if within_limits(chain, spot) else None
     for joints in _SOLUTIONS.get(chain.kind, _serial_solutions)(chain, _in_leg(chain, foot)):
         if within_limits(chain, joints):
             return joints
@@ -179,10 +182,6 @@ def _slides_columns(chain: LegChain, joints: Joints) -> _Columns:
     return ALONG, LEFT, UP
 
 
-def _slides_solutions(chain: LegChain, spot: Point) -> Iterator[Joints]:
-    yield spot
-
-
 def _insect_foot(chain: LegChain, joints: Joints) -> Point:
     l1, l2, l3 = chain.links
     yaw, hip, knee = joints
@@ -285,7 +284,6 @@ _FORWARD: dict[str, Callable[[LegChain, Joints], Point]] = {
     "mammal": _mammal_foot,
 }
 _SOLUTIONS: dict[str, Callable[[LegChain, Point], Iterator[Joints]]] = {
-    "slides": _slides_solutions,
     "insect": _insect_solutions,
     "mammal": _mammal_solutions,
 }

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from walking_console.planner.types import TICK, Mode, StepPlan
+from walking_console.sim.margin_history import WalkRows, margins_over
 from walking_console.sim.requests import input_record
 from walking_console.sim.runs.ground_record import ground_arrays
 from walking_console.sim.runs.leg_log import LegLog
@@ -21,6 +22,7 @@ from walking_console.sim.simulation import Simulation
 
 SCHEMA = 1
 MODES = {mode.name.lower(): int(mode) for mode in Mode}
+_FALLEN = int(Mode.FALLEN)
 
 
 class Recorder:
@@ -32,12 +34,12 @@ class Recorder:
     def __init__(self, simulation: Simulation) -> None:
         self.simulation = simulation
         self._hash = StateHash(simulation)
-        self.margin_min = float("inf")
         self.forbidden_steps = 0
         self.falls = 0
         self.steps: list[dict[str, Any]] = []
         self.inputs: list[dict[str, Any]] = []
-        self._floats = array("d")  # t, body 6, feet 3n, command 3, margins 3
+        self._floats = array("d")  # t, body 6, feet 3n, command 3, heading, velocity 2
+        self._margins = np.zeros((0, 3))  # of the ticks up to which they were asked for
         self._legs = LegLog(simulation.world.machine)
         self._flags = bytearray()  # contact n, support n, mode
         self._steps = array("i")
@@ -66,25 +68,24 @@ class Recorder:
         """One row: the state at the end of the tick just run."""
         simulation = self.simulation
         walk = simulation.walk
-        mode = int(simulation.mode)
-        margins = simulation.margins(walk.carrying())
         state, flags = self._hash.note()
         floats = self._floats
         floats.append(simulation.tick_count * TICK)
         floats.extend(state)
-        floats.extend(margins)
+        floats.append(walk.heading)
+        floats.extend(simulation.velocity)
         self._legs.note(simulation)
         self._flags += flags
         self._steps.append(walk.steps_begun)
         shake = walk.job.shake
         self._shakes += bytes((*shake.flags, shake.changes))
-        self._hashes.append(int.from_bytes(self.hash, "little"))
-        self.margin_min = min(self.margin_min, margins.longitudinal)
+        self._hashes.append(int.from_bytes(self._hash.digest, "little"))
         if walk.executed is not None:
             self._note_step(walk.executed)
-        if mode == Mode.FALLEN and not self._was_fallen:
+        fallen = flags[-1] == _FALLEN
+        if fallen and not self._was_fallen:
             self.falls += 1
-        self._was_fallen = mode == Mode.FALLEN
+        self._was_fallen = fallen
 
     def _note_step(self, plan: StepPlan) -> None:
         simulation = self.simulation
@@ -135,22 +136,43 @@ class Recorder:
         floats = np.frombuffer(self._floats, dtype=np.float64).reshape(rows, 13 + 3 * n)
         flags = np.frombuffer(bytes(self._flags), dtype=np.uint8).reshape(rows, 2 * n + 1)
         shakes = np.frombuffer(bytes(self._shakes), dtype=np.uint8).reshape(rows, 4)
+        walk = WalkRows(
+            body=floats[:, 1:7],
+            feet=floats[:, 7 : 7 + 3 * n].reshape(rows, n, 3),
+            support=flags[:, n : 2 * n].astype(bool),
+            heading=floats[:, 10 + 3 * n],
+            velocity=floats[:, 11 + 3 * n :],
+        )
+        margins = self._margins_of(walk)
         return {
             "t": floats[:, 0],
-            "body": floats[:, 1:7],
-            "feet": floats[:, 7 : 7 + 3 * n].reshape(rows, n, 3),
+            "body": walk.body,
+            "feet": walk.feet,
             "command": floats[:, 7 + 3 * n : 10 + 3 * n],
-            "margin": floats[:, 10 + 3 * n],
-            "polygon_margin": floats[:, 11 + 3 * n],
-            "capture_margin": floats[:, 12 + 3 * n],
+            "margin": margins[:, 0],
+            "polygon_margin": margins[:, 1],
+            "capture_margin": margins[:, 2],
             "contact": flags[:, :n].astype(bool),
-            "support": flags[:, n : 2 * n].astype(bool),
+            "support": walk.support,
             "mode": flags[:, 2 * n].astype(np.int8),
             "flags": shakes[:, :3].astype(bool),
             "handshake": shakes[:, 3],
             "step": np.frombuffer(self._steps, dtype=np.int32),
             "hash": np.frombuffer(self._hashes, dtype=np.uint64),
         }
+
+    def _margins_of(self, walk: WalkRows) -> np.ndarray[Any, Any]:
+        """Worked out once for every tick: walks are walked faster than their margins are told."""
+        known = len(self._margins)
+        if known < self.ticks:
+            more = margins_over(self.simulation.world.machine, walk.part(known))
+            self._margins = np.concatenate([self._margins, more])
+        return self._margins
+
+    @property
+    def margin_min(self) -> float:
+        """The least longitudinal margin, m; infinite before the first tick."""
+        return float(self.columns()["margin"].min(initial=math.inf))
 
     @property
     def state_hash(self) -> str:

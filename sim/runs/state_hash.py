@@ -24,10 +24,9 @@ class StateHash:
         simulation = self.simulation
         plant = simulation.plant
         command = simulation.command
-        state = [v + 0.0 for v in plant.body]  # adding 0.0 turns −0.0 into 0.0
-        for x, y, z in plant.feet:
-            state += (x + 0.0, y + 0.0, z + 0.0)
-        state += (command.crab_angle + 0.0, command.speed + 0.0, command.turn_rate + 0.0)
+        asked = command.crab_angle, command.speed, command.turn_rate
+        # adding 0.0 turns −0.0 into 0.0
+        state = [value + 0.0 for part in (plant.body, *plant.feet, asked) for value in part]
         flags = bytes((*plant.soles, *simulation.walk.carrying(), int(simulation.mode)))
         self.digest = blake2b(self._pack(self.digest, *state, *flags), digest_size=8).digest()
         return state, flags
