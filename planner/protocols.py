@@ -30,6 +30,14 @@ Weight = int | None
 # Pauses after each slice of work; send(True): the best step found so far is wanted now.
 SlicedJob = Generator[Weight, bool | None, Answer]
 PlanningJob = SlicedJob[StepPlan | Blocked]
+
+
+class Announced(int):
+    """The weight of what a job does next. A tick that has no room for it leaves it to the next one;
+    where the step is waited for it is done at once and counts for nothing.
+    """
+
+
 PlantState = Literal["standing", "tipping", "fallen"]
 PlanFunction = Callable[[Stance, Command, TerrainMap], PlanningJob]
 BodyAttitude = Literal["level", "ground"]  # of the body: level, or following the ground
@@ -124,10 +132,10 @@ class Planner(Protocol):
     def plan(self, stance: Stance, command: Command, terrain: TerrainMap) -> PlanningJob:
         """Begin to plan the step from ``stance``, a step-switching point N_k.
 
-        The job pauses after each slice of work, yields what that weighed where it is known, and
-        returns a ``StepPlan``, or ``Blocked`` when there is no step. It never raises for ground it
-        cannot cross, and the same three arguments after the same history give the same step, bit
-        for bit.
+        The job pauses after each slice of work, yields what that weighed where it is known or, as
+        ``Announced``, what the next one weighs, and returns a ``StepPlan``, or ``Blocked`` when
+        there is no step. It never raises for ground it cannot cross, and the same three arguments
+        after the same history give the same step, bit for bit.
         """
         return self.plan_step(stance, command, terrain)
         yield

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from ..config import Planning
 from ..geometry.transforms import direction
-from ..protocols import Planner, PlanningJob
+from ..protocols import Announced, Planner, PlanningJob
 from ..terrain.map import TerrainMap
 from ..types import Blocked, Command, Stance, StepPlan
 from .handshake import Flags, Handshake
@@ -50,6 +50,7 @@ class PlanJob:
         self._spare: tuple[Command, StepPlan] | None = None
         self._waited = 0  # ticks Level C has waited for the step
         self._spent = 0  # weight of what was done in this tick
+        self._put_off = 0  # weight of what was left to the next one
 
     def begin_tick(self) -> None:
         """What was done before belongs to the tick before."""
@@ -66,9 +67,17 @@ class PlanJob:
         """The next step, once it is planned."""
         return self._ready if isinstance(self._ready, StepPlan) else None
 
-    def consider(self, stance: Stance, command: Command, terrain: TerrainMap, work: int) -> None:
+    def consider(
+        self,
+        stance: Stance,
+        command: Command,
+        terrain: TerrainMap,
+        work: int,
+        is_waited_for: bool = False,
+    ) -> None:
         """Ask for a step unless just that was asked already; plan a little further on it, until
-        this tick's ``work`` is done.
+        this tick's ``work`` is done, of which a step that ``is_waited_for`` leaves nothing that
+        is announced to the next one.
 
         While the stick moves a little, or only farther out, a job is finished all the same, and its
         step is kept while the next is begun.
@@ -84,10 +93,11 @@ class PlanJob:
             self.asked = Question(stance, command, terrain)
             self._job = self.planner.plan(stance, command, terrain)
             self._has_begun = False
+            self._put_off = 0
             self._ready = None
             self.shake.call()
         if self._ready is None:
-            self._go_on(work)
+            self._go_on(work, is_waited_for)
 
     def _begins_with(self, stance: Stance, command: Command, terrain: TerrainMap) -> bool:
         """True when a new job is to be begun; what is ready already is kept where it may serve."""
@@ -128,9 +138,9 @@ class PlanJob:
         self.shake.want()
         self._waited += 1
         will_do = self._waited >= self.settings.wait_max  # the best so far
-        self.consider(stance, command, terrain, work)
+        self.consider(stance, command, terrain, work, is_waited_for=True)
         if will_do and self.answer(command) is None:
-            self._go_on(work + work // HURRY, wanted_now=True)
+            self._go_on(work + work // HURRY, is_waited_for=True, wanted_now=True)
         return self.answer(command)
 
     def alike(self, one: Command, other: Command) -> bool:
@@ -151,18 +161,26 @@ class PlanJob:
         c, s = direction(command.crab_angle)
         return command.speed * c, command.speed * s, self._yaw_length * command.turn_rate
 
-    def _go_on(self, work: int, wanted_now: bool = False) -> None:
+    def _go_on(self, work: int, is_waited_for: bool, wanted_now: bool = False) -> None:
         """Slices of the job until so much has been done in this tick: the last may be more than was
-        left.
+        left, but for one that is announced for a step that is not waited for.
         """
         if self._job is None:
             return
+        self._spent += self._put_off
+        self._put_off = 0
         try:
             while self._spent < work:
                 hurried = wanted_now and self._has_begun
                 self._has_begun = True
                 weight = self._job.send(True) if hurried else next(self._job)
-                self._spent += SLICE if weight is None else weight
+                if not isinstance(weight, Announced):
+                    self._spent += SLICE if weight is None else weight
+                elif not is_waited_for:
+                    if self._spent + weight > work:
+                        self._put_off = min(weight, work - 1)
+                        break
+                    self._spent += weight
         except StopIteration as done:
             self._ready = done.value
             self._job = None

@@ -59,7 +59,7 @@ class StepController:
         self._state.executed = changed(self._run.plan, end=stance)
         self._held = 0
         work = self._run.config.planning.work_wanted
-        self._job.consider(stance, now.command, now.terrain, work)
+        self._job.consider(stance, now.command, now.terrain, work, is_waited_for=True)
         answer = self._job.answer(now.command)
         if not isinstance(answer, StepPlan) and self._state.slow_down(stance):
             return min(left, self._run.tracker.duration)

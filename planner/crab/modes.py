@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from ..motion.body_sway import swayed
+from ..motion.body_sway import swaying
 from ..motion.steady_course import holding, steadied
 from ..navigation.local_planner import LocalPlanner, RouteState
 from ..protocols import (
@@ -99,7 +99,7 @@ class CrabPlanner(Planner):
         if isinstance(answer, Blocked):
             return answer
         ahead = expected_supports(answer, command, self._machine, self._gait)
-        return swayed(answer, stance, ahead, self._gait, self._machine, terrain)
+        return (yield from swaying(answer, stance, ahead, self._gait, self._machine, terrain))
 
     def heed(self, command: Command) -> Command:
         return self._local.heed(command)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from ..decision_log import DecisionLog, note_search
 from ..geometry.transforms import turned_back
 from ..motion.step_builder import changed
-from ..protocols import PlanningJob
+from ..protocols import Announced, PlanningJob
 from ..search import uninterruptible
 from ..types import Departure, StepPlan
 from .candidates import SearchContext, entry_of
@@ -34,19 +34,20 @@ WAYS_OUT = {
     "cone": Departure.ASIDE,
     "stretch": Departure.STRETCHED,
 }
+CHOICE = 40  # what the paper's step weighs on relief, in postures looked at
 FINISHED_MAX = 12  # ways tried until the body, too, passes over the ground
 
 
 def step_job(request: StepRequest) -> PlanningJob:
-    """The next step of the crab walk from N_k, planned slice by slice; ``send(True)`` asks for the
-    best so far.
+    """The next step of the crab walk from N_k in slices; ``send(True)`` asks for the best so far.
 
     Like ``plan_step`` it walks straight courses and plans a command of speed 0 at v_max. Where the
-    paper's step keeps the nominal walk on open ground it is that step, and answered at once. A
-    command that turns is for ``turning`` to plan.
+    paper's step keeps the nominal walk on open ground it is that step. ``turning`` plans turns.
     """
     if turns(request.command, request.machine):
         return (yield from turn_job(request))
+    if request.terrain.relief:
+        yield Announced(CHOICE)
     course = request.command.crab_angle
     context = SearchContext(request, course)
     log = request.log(crab_angle=course, quarter_turns=context.nominal.quarter_turns)
@@ -55,8 +56,7 @@ def step_job(request: StepRequest) -> PlanningJob:
     job = choose(context, paper)
     result = yield from (uninterruptible(job) if strained else job)
     if log is not None:
-        posture = context.start.posture
-        weighed = [entry_of(posture, way) for way in result.ways[:WAYS_LOGGED]]
+        weighed = [entry_of(context.start.posture, way) for way in result.ways[:WAYS_LOGGED]]
         note_search(log, result.search, result.horizon, weighed)
     return (yield from _answer(context, result, paper, strained, log))
 

@@ -38,7 +38,7 @@ from .gait import nominal_gait
 STAYS = 1.0
 # m of planned margin a step that leans must have; 0: see it rock off a narrow triangle on 25°
 SURE = 0.002
-FRAME = 20  # what the frame of a slope weighs, in postures looked at
+FRAME, SHEARED = 20, 120  # what the frame of a slope weighs, in postures looked at, and of a lean
 
 
 class SlopeAdaptation:
@@ -72,7 +72,7 @@ class SlopeAdaptation:
             slope = self._slope_known(slope_under(stance, command, terrain, self.machine))
             yield from self._leans.weighed(stance.body[3], slope, command.straight_course)
         frame = self.frame(stance, command, terrain)
-        yield 0 if terrain.is_level else FRAME
+        yield 0 if terrain.is_level else (FRAME, SHEARED)[frame.terrain is not terrain]
         answer = yield from self._planned(frame, command)
         if frame.lean != LEVEL or stance.lean != LEVEL:
             if isinstance(answer, StepPlan) and not on_edge(answer):

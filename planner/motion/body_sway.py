@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Generator, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import NamedTuple
@@ -28,6 +28,7 @@ from ..geometry.transforms import (
     turned_back,
     turned_back_by,
 )
+from ..protocols import Announced, Answer, run_to_completion
 from ..robot.model import Machine
 from ..stability import polygon_margin
 from ..terrain.map import TerrainMap
@@ -69,7 +70,12 @@ UNHURRIED = 0.3  # s on all feet in which the body gets back to where it should 
 STILL_FOOT = (0.0, 0.0, 0.0)  # m/s
 BETWEEN = tuple(k / 8 for k in range(1, 8))  # of a stretch, where its reach is looked at
 NEAR = 0.025  # m aside of the reference, to which a way is led that leads a leg into something
+# what the pieces of the work weigh, in postures looked at: what comes before the first way, and
+# each way on open ground and among tall things, and what it meets there
+BEGINNING, WAY, WAY_AMONG_TALL, MEETINGS = 20, 20, 50, 75
 STOPPED_BY = 0.6  # of a step's time; an offset that cannot be stopped by then is led back at once
+
+_Slices = Generator[Announced, object, Answer]
 
 
 class Motion(NamedTuple):
@@ -106,21 +112,37 @@ def swayed(
     legs come down gently only where it is known, and the body sways into nothing tall. A body that
     leans sways along its floor.
     """
+    return run_to_completion(swaying(plan, stance, ahead, gait, machine, terrain))
+
+
+def swaying(
+    plan: StepPlan,
+    stance: Stance,
+    ahead: Sequence[SupportPhase],
+    gait: Gait,
+    machine: Machine,
+    terrain: TerrainMap | None = None,
+) -> _Slices[StepPlan]:
+    """``swayed`` as a job that pauses before each piece of its work."""
     if not gait.sways:
         return plan
+    yield Announced(BEGINNING)
     bounds = bounds_of(stance, gait)
     course = Course.of(plan, stance, machine, terrain)
     known: Collection[int] = () if terrain is None else legs_on_known_ground(plan, terrain)
     swing = smooth_swing(plan, machine, known) if gait.smooth else as_planned(plan)
-    table = _Table.of(swing, course, stance, bounds)
     task = _Task(course, stance, ahead, bounds, machine)
-    way = _within_reach(task, table)
+    yield task.weight
+    table = _Table.of(swing, course, stance, bounds)
+    way = yield from _within_reach(task, table)
     if table.lift == 0 and course.after and way.margin(machine) < bounds.margin - LACK:
         seconds = math.hypot(*stance.velocity) / bounds.acceleration
-        waited = _within_reach(task, table.after_a_wait(max(seconds, UNHURRIED) + SOONEST, 0.0))
+        wait = table.after_a_wait(max(seconds, UNHURRIED) + SOONEST, 0.0)
+        waited = yield from _within_reach(task, wait)
         if waited.margin(machine) > way.margin(machine) + LACK:
             way = waited
-    return _clear_of_tall(task, table, way).plan(plan, gait.smooth, machine)
+    clear = yield from _clear_of_tall(task, table, way)
+    return clear.plan(plan, gait.smooth, machine)
 
 
 class _Task(NamedTuple):
@@ -133,18 +155,24 @@ class _Task(NamedTuple):
     machine: Machine
     stop: Stop | None = None
 
+    @property
+    def weight(self) -> Announced:
+        """What working out one way weighs."""
+        return Announced(WAY_AMONG_TALL if self.course.is_among_tall else WAY)
 
-def _within_reach(task: _Task, table: _Table) -> _Way:
+
+def _within_reach(task: _Task, table: _Table) -> _Slices[_Way]:
     """The way through a step that leads no standing foot beyond its leg's reach: where a body is
     thrown too far off its course, that is stopped first, as soon as its margin allows.
     """
-    best = _in_time(task, table)
+    best = yield from _in_time(task, table)
     least = best.beyond_reach()
     if least <= 0.0:
         return best
     for stop in _stops(task):
         seconds = stop.seconds(task.stance.velocity) + UNHURRIED
-        way = _in_time(task._replace(stop=stop), table.on_all_feet_for(seconds))
+        stopping = task._replace(stop=stop)
+        way = yield from _in_time(stopping, table.on_all_feet_for(seconds))
         beyond = way.beyond_reach()
         if beyond < least:
             best = way
@@ -154,15 +182,19 @@ def _within_reach(task: _Task, table: _Table) -> _Way:
     return best
 
 
-def _clear_of_tall(task: _Task, table: _Table, way: _Way) -> _Way:
+def _clear_of_tall(task: _Task, table: _Table, way: _Way) -> _Slices[_Way]:
     """The way, or where a leg is led into something tall on it one nearer to the reference, which
     keeps the margin as well; at last without heed of the supports to come.
     """
-    least = _meetings(way) if task.course.is_among_tall else 0
+    least = 0
+    if task.course.is_among_tall:
+        yield Announced(MEETINGS)
+        least = _meetings(way)
     kept = min(way.margin(task.machine), task.bounds.margin) - SPARE
     for aside, ahead in ((NEAR, task.ahead), (0.0, task.ahead), (0.0, ())) if least else ():
         bounds = task.bounds._replace(aside=aside)
-        near = _within_reach(task._replace(bounds=bounds, ahead=ahead), table)
+        near = yield from _within_reach(task._replace(bounds=bounds, ahead=ahead), table)
+        yield Announced(MEETINGS)
         meetings = _meetings(near)
         if meetings < least and near.margin(task.machine) >= kept:
             way = near
@@ -191,9 +223,10 @@ def _stops(task: _Task) -> Iterator[Stop]:
             yield Stop(speed_onward, acceleration)
 
 
-def _in_time(task: _Task, table: _Table) -> _Way:
+def _in_time(task: _Task, table: _Table) -> _Slices[_Way]:
     """The way through a step that takes as long as body and feet need."""
     for k in range(ROUNDS):
+        yield task.weight
         way = _Way.through(task, table)
         before, after = way.hurries(task.bounds, task.machine)
         hurry = max(before, after)
@@ -202,7 +235,10 @@ def _in_time(task: _Task, table: _Table) -> _Way:
         if max(hurry, feet) <= IN_TIME:
             break
         on_all_feet = hurry > feet and before >= after
-        even = _evened(task, way) if on_all_feet and task.stop is None else None
+        even = None
+        if on_all_feet and task.stop is None:
+            yield task.weight
+            even = _evened(task, way)
         table = even or table.slower(min(max(hurry, feet), FOREVER), on_all_feet)
     return way
 

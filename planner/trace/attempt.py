@@ -14,7 +14,7 @@ from ..robot.model import Machine
 from ..terrain.map import TerrainMap
 from ..types import Gait, Point, Stance
 from .footholds import AIR, Footing, is_open, is_plenty, thinning
-from .lane import TraceWindow, lane_along
+from .lane import Lane, TraceWindow, lane_along
 from .moves import Move, moves_along, up_to_what_is_met
 from .periodic_gaits import RigidGait
 from .reachability import OutOfHeight, Reachability
@@ -93,15 +93,14 @@ class Attempt:
         self.out_of_height: OutOfHeight | None = None
         self.was_thinned = False  # the last search saw only some of the footholds there are
         self.leads_in_the_open = False  # over ground of which nothing is forbidden
+        self._lane: Lane | None = None  # on the trace, once it has been asked for
 
     def on_plenty(self, count: int) -> Generator[Weight, None, None]:
         """Search on the trace, if most of the ground along it may be stepped on. What leads well
         ahead is taken for a way to a nearer goal.
         """
         course = self.course
-        lane = lane_along(
-            course.trace, course.window, self.stance, self.terrain, self.machine, self.gait, 0.0
-        )
+        self._lane = lane = self._lane_with(0.0)
         if self.rigid is not None and is_plenty(lane, self.terrain, self.machine):
             yield from self.along(0.0, count, count)
             lead = (self.path.farthest - course.start) * course.trace.step / self.machine.torso[0]
@@ -120,9 +119,7 @@ class Attempt:
         """
         course = self.course
         terrain = self.terrain
-        lane = lane_along(
-            course.trace, course.window, self.stance, terrain, self.machine, self.gait, aside
-        )
+        lane = self._lane if self._lane and aside == 0.0 else self._lane_with(aside)
         thin = 1 if whole else thinning(lane, terrain, self.machine)
         self.was_thinned = thin > 1
         if thin > 1:
@@ -148,6 +145,11 @@ class Attempt:
             if not reachable.accept(start.feet, start.at):
                 break
         return self.path.complete
+
+    def _lane_with(self, aside: float) -> Lane:
+        """The lane with rows up to ``aside`` m beside the trace."""
+        known = self.stance, self.terrain, self.machine, self.gait
+        return lane_along(self.course.trace, self.course.window, *known, aside)
 
     def _search(
         self, reachable: Reachability, start: SupportState, count: int

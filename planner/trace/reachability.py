@@ -173,8 +173,9 @@ class Reachability:
             looked_at = len(px) + len(near) * self.lane.x.shape[0] * (part.stop - part.start)
             yield looked_at // SAMPLES_A_POSTURE
         if not self.terrain.is_level:
-            depth = pz[:, None] - self.lane.z
-            exists &= ((depth >= z[0] - EDGE) & (depth <= z[1] + EDGE))[:, None, :]
+            near = np.nonzero(exists.any(axis=(1, 2)))[0]
+            depth = pz[near, None] - self.lane.z
+            exists[near] &= ((depth >= z[0] - EDGE) & (depth <= z[1] + EDGE))[:, None, :]
         return exists
 
     def _inside(self, px: Array, py: Array, box: Box, part: slice) -> NDArray[np.bool_]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..geometry.transforms import Body
-from ..motion.body_sway import swayed
+from ..motion.body_sway import swaying
 from ..protocols import Capabilities, Planner, PlannerError, PlannerSetup, PlanningJob
 from ..robot.separate_reach import separated
 from ..terrain.map import TerrainMap
@@ -54,7 +54,8 @@ class TracePlanner(Planner):
         if isinstance(answer, Blocked) or not self.walk.gait.sways:
             return answer
         supports = expected_supports(self.walk.prediction, stance, answer)
-        return swayed(answer, stance, supports, self.walk.gait, self.walk.machine, terrain)
+        known = self.walk.gait, self.walk.machine, terrain
+        return (yield from swaying(answer, stance, supports, *known))
 
     def preview(self, stance: Stance, running: StepPlan | None) -> GaitPreview | None:
         """The same object as long as nothing else is foreseen."""

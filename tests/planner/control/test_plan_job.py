@@ -8,6 +8,7 @@ from tests.planner.control.plans import AHEAD, STANCE, TITAN, Scripted, flat, sw
 from walking_console.planner.config import Planning
 from walking_console.planner.control.handshake import ASKED, IDLE, READY
 from walking_console.planner.control.plan_job import SLICE, PlanJob
+from walking_console.planner.protocols import Announced
 from walking_console.planner.types import Blocked, Command, Reason
 
 GROUND = flat()
@@ -52,6 +53,38 @@ def test_slices_are_weighed_a_heavy_one_is_a_tick_s_work(weight, ticks):
         job.consider(STANCE, AHEAD, GROUND, 40)
         taken += 1
     assert taken == ticks
+
+
+@pytest.mark.parametrize(("weight", "ticks"), [(1, 1), (3, 4), (30, 5), (100, 5)])
+def test_what_finishes_a_step_is_left_to_the_next_tick_where_this_one_has_no_room(weight, ticks):
+    job, _ = job_of(slices=4, weight=Announced(weight))
+    job.consider(STANCE, AHEAD, GROUND, 5)
+    taken = 1
+    while job.ready is None:
+        job.begin_tick()
+        job.consider(STANCE, AHEAD, GROUND, 5)
+        taken += 1
+    assert taken == ticks
+
+
+def test_what_finishes_a_step_that_is_waited_for_is_done_at_once():
+    job, planner = job_of(slices=4, weight=Announced(100))
+    job.consider(STANCE, AHEAD, GROUND, 5, is_waited_for=True)
+    assert job.ready is PLAN and planner.hurried == 0
+    job.forget()
+    job.consider(STANCE, AHEAD, GROUND, 5)
+    assert job.ready is None
+    job.begin_tick()
+    assert job.answer_standing(STANCE, AHEAD, GROUND) is PLAN
+
+
+def test_what_was_left_to_the_next_tick_does_not_count_for_another_step():
+    job, planner = job_of(slices=1, weight=Announced(100))
+    job.consider(STANCE, AHEAD, GROUND, 5)
+    planner.weight = 4
+    job.begin_tick()
+    job.consider(STANCE, ASIDE, GROUND, 5)
+    assert job.ready is PLAN
 
 
 def test_what_was_done_in_a_tick_counts_for_all_that_is_asked_in_it():

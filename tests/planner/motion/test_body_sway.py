@@ -18,9 +18,10 @@ from walking_console.planner.initial_stance import Placement
 from walking_console.planner.motion.body_bounds import BRISK, bounds_of
 from walking_console.planner.motion.body_course import centre_over
 from walking_console.planner.motion.body_path import SupportPhase
-from walking_console.planner.motion.body_sway import swayed
+from walking_console.planner.motion.body_sway import swayed, swaying
 from walking_console.planner.motion.body_tilt import Lean
 from walking_console.planner.motion.step_builder import changed, holding_plan
+from walking_console.planner.protocols import Announced
 from walking_console.planner.robot.collision import leg_in_the_way
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.stability import GRAVITY, polygon_margin, support_polygon
@@ -246,6 +247,29 @@ def test_the_legs_of_a_body_that_leans_reach_their_feet_and_keep_their_speed():
             assert (moved <= np.array(TITAN.speed) * 1.01).all()
         before = feet
     assert tracker.duration < 1.5 * float(level.times[-1])
+
+
+def test_a_step_is_swayed_piece_by_piece_and_what_a_piece_weighs_is_said_before_it_is_done():
+    stance, decided, plan = walked(90, 3)[-1]
+    ahead = expected_supports(decided, Command(math.radians(90), 0.08), TITAN, GAIT)
+    heights = np.zeros((400, 400))
+    heights[sorted(cells_beside(plan, decided))[0]] = 1.5
+    poles = TerrainMap(heights, heights > 0.0, 0.05, (-10.0, -10.0), TITAN.foot_radius)
+    weighed = {}
+    for terrain in (FLAT, poles):
+        job = swaying(decided, stance, ahead, GAIT, TITAN, terrain)
+        weights = []
+        while True:
+            try:
+                weights.append(next(job))
+            except StopIteration as done:
+                way = done.value
+                break
+        assert np.array_equal(way.body, swayed(decided, stance, ahead, GAIT, TITAN, terrain).body)
+        assert all(isinstance(weight, Announced) and weight > 0 for weight in weights)
+        weighed[terrain] = weights
+    assert len(weighed[FLAT]) >= 3 and len(weighed[poles]) > len(weighed[FLAT])
+    assert max(weighed[poles]) > max(weighed[FLAT])
 
 
 def test_a_body_that_would_lead_a_leg_into_a_pole_goes_nearer_to_its_reference():
