@@ -14,7 +14,6 @@ from collections.abc import Generator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from walking_console.planner.control.execution import feet_absolute
 from walking_console.planner.control.supervisor import GaitSupervisor
 from walking_console.planner.control.touch_memory import Felt
 from walking_console.planner.geometry.transforms import left_fold_sum
@@ -25,6 +24,7 @@ from walking_console.planner.terrain.mapping import ElevationMapper, Index
 from walking_console.planner.terrain.traversability import classify_again
 from walking_console.planner.types import Command, Sensing
 
+from .foot_touches import FootTouches, touch
 from .giving_ground import GivingGround
 from .range_sensor import RangeSensor, Scan
 from .requests import Edit, edited, rows_and_columns
@@ -62,7 +62,7 @@ class Perception:
         self.mapper: ElevationMapper | None = None
         self.range_sensor: RangeSensor | None = None
         self._scan: Generator[None, None, Scan] | None = None  # under way
-        self._steps_known = -1
+        self._foot_touches = FootTouches()
         # of the plant, the oldest first: the one that is acted on, where sensors are late
         late = world.scenario.noise.late if world.scenario.noise else 0
         self.readings: deque[Sensing] = deque(maxlen=1 + late)
@@ -106,9 +106,8 @@ class Perception:
         begins = self._look_on(mapper, body, command.crab_angle, tick)
         if at_rest or self.range_sensor is None or tick % RENEWING == 0:
             mapper.work_on()
-        if supervisor.steps_begun != self._steps_known:
-            self._steps_known = supervisor.steps_begun
-            _touch(mapper, sensing)
+        if self._foot_touches.count_now(supervisor, sensing):
+            touch(mapper, sensing)
         elif not (begins and at_rest):
             return
         believed = mapper.publish_worked()
@@ -320,15 +319,6 @@ def _scanned(
         mapper.see(*done.value)
         return None
     return scan
-
-
-def _touch(mapper: ElevationMapper, sensing: Sensing) -> None:
-    """Feet whose soles are on say how high the ground is."""
-    feet = zip(feet_absolute(sensing), sensing.soles, strict=True)
-    standing = [foot for foot, sole in feet if sole]
-    mapper.touch(standing)
-    if standing:
-        mapper.set_prior(standing)
 
 
 def _at_rest(supervisor: GaitSupervisor, command: Command) -> bool:

@@ -69,6 +69,17 @@ def joined(one: Window | None, other: Window) -> Window:
     return rows, columns
 
 
+def whole(shape: tuple[int, ...]) -> Window:
+    """All cells of a map, (ny, nx)."""
+    rows, columns = shape
+    return slice(0, rows), slice(0, columns)
+
+
+def holds(outer: Window, inner: Window) -> bool:
+    """True when all cells of ``inner`` lie in ``outer``."""
+    return all(a.start <= b.start and b.stop <= a.stop for a, b in zip(outer, inner, strict=True))
+
+
 def common(one: Window, other: Window) -> Window:
     """The cells that two rectangles have in common; none where they do not meet."""
     rows, columns = (

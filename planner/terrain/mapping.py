@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ..geometry.transforms import XY, left_fold_sum
 from ..robot.model import Machine
 from ..types import Array, Point
-from .grid import Window, grown, joined
+from .grid import Window, grown, holds, joined, whole
 from .map import EDGE, TerrainMap
 from .traversability import sole_cells
 from .working_map import Evidence, Prior, WorkingMap
@@ -74,6 +74,7 @@ class ElevationMapper:
         self._looks = np.zeros(shape, dtype=np.uint8)
         # the one level unknown ground was last given; NaN while there are several
         self._level_given = level
+        self._supposed: Window = whole(shape)  # where unknown ground is as it was last given
         refused = np.full(shape, unknown == "forbidden")
         blank = TerrainMap(
             np.full(shape, level),
@@ -183,19 +184,16 @@ class ElevationMapper:
         heights = [foot[2] for foot in feet]
         level = left_fold_sum(heights) / len(heights)
         uneven = max(heights) - min(heights) > LEVEL_REPLAN_THRESHOLD
-        if not uneven and abs(level - self._level_given) <= LEVEL_REPLAN_THRESHOLD:
+        if uneven or not abs(level - self._level_given) <= LEVEL_REPLAN_THRESHOLD:
+            self._level_given = math.nan if uneven else level
+            self._working.prior = Prior(level, tuple(feet) if uneven else ())
+        else:
             self._working.prior = Prior(self._working.prior.level)
-            return
-        self._level_given = math.nan if uneven else level
-        self._working.prior = Prior(level, tuple(feet) if uneven else ())
-        if self.known.all():
-            return
-        xs = [foot[0] for foot in feet]
-        ys = [foot[1] for foot in feet]
-        around = self.map.window(
-            min(xs) - AROUND, max(xs) + AROUND, min(ys) - AROUND, max(ys) + AROUND
-        )
-        self._supposed_anew = joined(self._supposed_anew, around)
+            if holds(self._supposed, _around(feet, AROUND / 2, self.map)):
+                return
+        if not self.known.all():
+            self._supposed = _around(feet, AROUND, self.map)
+            self._supposed_anew = joined(self._supposed_anew, self._supposed)
 
     def observe(
         self,
@@ -240,6 +238,8 @@ class ElevationMapper:
         self.publish_worked()
         evidence, self._looks = sightings
         self.heights, self.known, self.learnt = evidence
+        if self._supposed != whole(self.heights.shape):
+            self._supposed = whole((0, 0))
         self._working.move(evidence, origin, here, there)
 
     @property
@@ -293,3 +293,10 @@ def _are_same(one: Sequence[Point], other: Sequence[Point]) -> bool:
     return len(one) == len(other) and all(
         math.dist(a, b) <= SAME for a, b in zip(one, other, strict=True)
     )
+
+
+def _around(feet: Sequence[Point], far: float, terrain: TerrainMap) -> Window:
+    """The cells of a map as far as that from feet, m."""
+    xs = [foot[0] for foot in feet]
+    ys = [foot[1] for foot in feet]
+    return terrain.window(min(xs) - far, max(xs) + far, min(ys) - far, max(ys) + far)

@@ -167,6 +167,18 @@ def test_unknown_ground_is_as_high_as_the_nearest_foot():
     assert belief.publish().height_at(0.6, -0.5) == pytest.approx(0.15)
 
 
+def test_unknown_ground_ahead_is_on_the_level_that_feet_go_on_standing_on():
+    belief = blank(shape=(80, 280))
+    feet = [(0.4, 0.4, 0.3), (-0.4, 0.4, 0.3), (-0.4, -0.4, 0.3), (0.4, -0.4, 0.3)]
+    belief.set_prior(feet)
+    assert belief.publish().height_at(4.5, 0.0) == 0.0
+    for step in range(1, 8):
+        belief.set_prior([(x + 0.5 * step, y, z) for x, y, z in feet])
+        ground = belief.publish()
+        assert ground.height_at(0.4 + 0.5 * step + 0.7, 0.0) == pytest.approx(0.3)
+    assert belief.publish() is ground
+
+
 def test_what_is_touched_felt_and_learnt_is_in_the_map_before_what_has_been_seen():
     belief = blank()
     rows, columns, values = everything(np.full((80, 120), 0.2))

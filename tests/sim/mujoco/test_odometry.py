@@ -45,6 +45,18 @@ def test_a_foot_in_the_air_says_nothing_and_is_taken_up_where_it_comes_down():
     assert odometry.anchors[0] == pytest.approx(moved[0], abs=1e-9)
 
 
+def test_feet_that_bounce_for_a_tick_go_on_telling_where_the_body_is():
+    odometry = begun()
+    on = [False, False, False, True]
+    for k in range(1, 4):
+        pose = (0.002 * k, -0.001 * k, 0.8 + 0.001 * k, 0.003 * k)
+        odometry.update(seen_from(pose), on if k < 3 else ALL, 0.0, 0.0)
+        assert pose_of(odometry) == pytest.approx(pose, abs=1e-9)
+    lifted = [(0.9, 0.1, 0.3), *FEET[1:]]
+    odometry.update(seen_from(pose, lifted), [False, True, True, True], 0.0, 0.0)
+    assert odometry.anchors[0] is None
+
+
 def test_one_foot_that_slips_is_named_and_the_others_are_believed():
     odometry = begun()
     slipped = [(0.4 + 4 * SLIP, 0.4, 0.0), *FEET[1:]]
