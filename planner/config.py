@@ -180,6 +180,9 @@ class Contact:
     # of its planned load, that a leg must carry before another is lifted. More: see it wait for
     # legs that hardly count
     load_share: float = 0.1
+    # the same where sensors scatter and steps lead onto unknown ground. Less: see a foot that hangs
+    # on an edge taken for one that stands; more: see it wait longer for every foot
+    load_share_felt: float = 0.25
     # m a foot that has lost its load or slips is below or beside where it stood, before its
     # foothold is said to give way. Smaller: see it step off stones that rock; larger: see the body
     # tilt first

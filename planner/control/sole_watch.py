@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ..motion.swing_profile import legs_on_known_ground
 from ..types import Sensing
 from .contact_reflexes import ContactReflexes
 from .execution import Execution
@@ -45,11 +46,31 @@ class SoleWatch:
             if run.t <= time < t_next and any(leg not in run.stance.lifted for leg in legs):
                 if run.t == 0.0 and shifts_loads(run, legs):
                     return True
-                waits = self._waits_for(not_carrying(run, now.sensing, stand), now)
+                settings = run.config.contact
+                least = settings.load_share_felt if self._gropes(now) else settings.load_share
+                waits = self._waits_for(not_carrying(run, now.sensing, stand, least), now)
                 if waits and self._state.steps:
                     run.pace = 0.0
                 return waits
         return False
+
+    def time_begun(self, begun: float, now: Now) -> float:
+        """Time into what was begun in the middle of a tick, s, by its end: a walker that gropes
+        does not begin a step that would lift legs by then while one that is to carry does not.
+        """
+        if begun > 0.0 and self._state.steps and self._gropes(now):
+            return self._run.t if self.keeps_down(begun, now) else begun
+        return begun
+
+    def _gropes(self, now: Now) -> bool:
+        """True where a step leads onto unknown ground and sensors scatter: how far a foot hangs
+        from where it should be tells little then, and its load has to.
+        """
+        run = self._run
+        plan = run.tracker.plan
+        return run.tolerances.scatters and not legs_on_known_ground(plan, now.terrain).issuperset(
+            leg for leg in plan.swing if leg not in plan.end.lifted
+        )
 
     def _waits_for(self, legs: list[int], now: Now) -> bool:
         if not legs:
@@ -62,10 +83,9 @@ class SoleWatch:
         return True
 
 
-def not_carrying(run: Execution, sensing: Sensing, legs: Sequence[int]) -> list[int]:
-    """Those of ``legs`` whose soles are off, or that press with less than their share
-    (``contact.load_share``) of the planned load where loads are sensed; but not those that are to
-    carry next to nothing.
+def not_carrying(run: Execution, sensing: Sensing, legs: Sequence[int], least: float) -> list[int]:
+    """Those of ``legs`` whose soles are off, or that press with less than ``least`` of the planned
+    load where loads are sensed; but not those that are to carry next to nothing.
     """
     if run.compliant is not None:
         idle = run.compliant.idle(run.t)
@@ -74,7 +94,6 @@ def not_carrying(run: Execution, sensing: Sensing, legs: Sequence[int]) -> list[
     if run.compliant is None or not sensing.loads:
         return hanging
     planned = run.compliant.loads
-    least = run.config.contact.load_share
     light = [leg for leg in legs if sensing.loads[leg] < least * planned[leg]]
     return sorted({*hanging, *light})
 

@@ -294,7 +294,7 @@ class GaitSupervisor:
         if activity is Activity.SETTLE or run.misses_ground(stepping):
             return self.contacts.find_no_ground(now)
         follow = self._steps.switch if stepping else self.postures.next_plan
-        return follow(now, max(left, 0.0))
+        return self._soles.time_begun(follow(now, max(left, 0.0)), now)
 
 
 _AT = {

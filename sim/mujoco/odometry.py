@@ -40,19 +40,15 @@ class LegOdometry:
         """One tick: feet in body axes, m, which of them carry, and the attitude, rad."""
         level = rotation(roll, pitch, 0.0)
         reached = [turned_by(level, foot) for foot in feet_b]
-        anchored = [leg for leg, anchor in enumerate(self.anchors) if anchor]
-        held = [leg for leg in anchored if carrying[leg]]
-        if len(held) < 2:  # feet of stiff legs bounce, and are off the ground for a tick
-            held = anchored
-        if len(held) >= 2:
+        held = [leg for leg, anchor in enumerate(self.anchors) if anchor and carrying[leg]]
+        bounces = len(held) < 2  # feet of stiff legs, off the ground for a tick, stand again soon
+        if not bounces:
             self._fit_all_but_slipping(held, reached)
         for leg, carries in enumerate(carrying):
-            if not carries and leg in held:
-                continue
-            if not carries:
+            if not carries and not bounces:
                 self.anchors[leg] = None
                 self.slipping[leg] = False
-            elif self.anchors[leg] is None or self.slipping[leg]:
+            elif carries and (self.anchors[leg] is None or self.slipping[leg]):
                 self.anchors[leg] = self._placed(reached[leg])
 
     def _placed(self, spot: Point) -> Point:

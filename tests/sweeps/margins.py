@@ -4,7 +4,8 @@ Run: python -m tests.sweeps.margins [NAME ...] [--set KEY=VALUE ...]
 One process; all shipped scenarios unless named. The margin is the polygon margin of the true centre
 of gravity, torso and legs where the log has them, in the feet that carry. *Acceleration* is the
 most of every tick over g·margin/height, of the larger margin where a leg lifts or lands between two
-ticks; at a stop (``settle``) it is given apart. The results are kept in docs/physics.md.
+ticks and of the height above the lowest foot that carries (one that feels for ground below it
+carries nothing); at a stop (``settle``) it is given apart. The results are kept in docs/physics.md.
 """
 
 from __future__ import annotations
@@ -53,7 +54,8 @@ def shares_of(log: Mapping[str, Array], margins: Array) -> Array:
     """Acceleration over g·margin/height of every tick but the first and the last."""
     body = log["body"]
     accelerations = np.hypot(*(np.diff(body[:, :2], 2, axis=0) / TICK**2).T)
-    heights = (body[:, 2] - log["feet"][..., 2].min(axis=1))[1:-1]
+    carrying = np.where(log["support"], log["feet"][..., 2], np.inf)
+    heights = (body[:, 2] - carrying.min(axis=1))[1:-1]
     larger = np.maximum.reduce([margins[:-2], margins[1:-1], margins[2:]])
     return np.asarray(accelerations * heights / (GRAVITY * np.maximum(larger, LEAST)))
 

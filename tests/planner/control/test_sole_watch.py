@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.planner.control.plans import Scripted, now, sensed, state_with, swing_plan
+from tests.planner.control.plans import Scripted, flat, now, sensed, state_with, swing_plan
 from walking_console.planner.config import Contact
 from walking_console.planner.control.activities import Activity, Event
 from walking_console.planner.control.contact_reflexes import ContactReflexes
@@ -76,19 +76,43 @@ def test_a_leg_that_presses_with_less_than_a_tenth_of_its_load_does_not_carry():
     state, _, _ = watch()
     state.run.compliant = Loads()
     light = sensed()._replace(loads=(200.0, 15.0, 0.0, 25.0))
-    assert not_carrying(state.run, light, range(4)) == [1]
+    assert not_carrying(state.run, light, range(4), 0.1) == [1]
     hanging = light._replace(soles=(True, True, True, False))
-    assert not_carrying(state.run, hanging, range(4)) == [1, 3]
+    assert not_carrying(state.run, hanging, range(4), 0.1) == [1, 3]
     state.run.compliant = None
-    assert not_carrying(state.run, light, range(4)) == []
+    assert not_carrying(state.run, light, range(4), 0.1) == []
+
+
+@pytest.mark.parametrize(
+    ("noise", "ground_is_known", "kept"),
+    [(0.005, False, True), (0.005, True, False), (0.0, False, False)],
+)
+def test_where_sensors_scatter_and_ground_is_unknown_a_quarter_of_its_load_is_asked_for(
+    noise, ground_is_known, kept
+):
+    state, _, soles = watch(0.245)
+    state.run.compliant = Loads()
+    state.run.tolerances = replace(state.run.tolerances, position_noise=noise)
+    ground = flat()
+    known = np.full(ground.heights.shape, ground_is_known)
+    tick = now(terrain=replace(ground, known=known))
+    tick.sensing = tick.sensing._replace(loads=(0.0, 40.0, 0.0, 200.0))
+    assert soles.keeps_down(0.265, tick) is kept
+    assert soles.time_begun(0.265, tick) == (0.245 if kept else 0.265)
+
+
+def test_a_step_onto_known_ground_begins_in_the_middle_of_a_tick_whatever_hangs():
+    state, _, soles = watch(0.245)
+    state.run.tolerances = replace(state.run.tolerances, position_noise=0.005)
+    assert soles.time_begun(0.265, now(soles=HANGING)) == 0.265
 
 
 def test_a_leg_that_is_to_carry_nothing_may_hang():
     state, _, _ = watch()
     hanging = sensed()._replace(soles=(True, True, False, True), loads=(200.0, 200.0, 0.0, 200.0))
-    assert not_carrying(state.run, hanging, range(4)) == [2]
+    assert not_carrying(state.run, hanging, range(4), 0.1) == [2]
     state.run.compliant = Loads()
-    assert not_carrying(state.run, hanging, range(4)) == []
+    assert not_carrying(state.run, hanging, range(4), 0.1) == []
 
 
 def test_from_a_standstill_a_leg_stays_down_until_it_has_given_its_load_away():
