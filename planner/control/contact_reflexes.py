@@ -72,8 +72,7 @@ class ContactReflexes:
         airborne = self._run.in_the_air() or list(lifted)
         self._sinking = leg
         first = airborne[0] if airborne else leg
-        event = ContactEvent.LEFT if airborne else self._left(leg, now)
-        self._meet(Touch(event, first, None), (*airborne, leg), now)
+        self._meet(Touch(self._left(first, now), first, None), (*airborne, leg), now)
         return True
 
     def find_no_ground(self, now: Now) -> float:
@@ -103,7 +102,7 @@ class ContactReflexes:
         self._state.job.shake.dismiss()
         if touch.event is ContactEvent.HIT:
             self._call()
-        self._lessons.learn(touch, None, self._state.activity in PLACING, now)
+        self._lessons.learn(touch, None, now)
         self._waiting = tuple(leg for leg in airborne if leg != touch.leg)
         self._stranded = ()
         self._begin(touch, now)
@@ -114,7 +113,7 @@ class ContactReflexes:
         self._state.job.shake.want()
 
     def _begin(self, touch: Touch, now: Now) -> None:
-        if touch.event is not ContactEvent.LEFT:
+        if touch.event not in (ContactEvent.LEFT, ContactEvent.NEEDED):
             name = touch.event.value
             self.counts[name] = self.counts.get(name, 0) + 1
             self._state.setbacks.note(now.sensing.body, now.command)
@@ -144,7 +143,7 @@ class ContactReflexes:
         if touch is not None:
             if touch.event is ContactEvent.EDGE and self._sinking is not None:
                 touch = touch._replace(event=ContactEvent.LANDED)  # it is needed, on an edge or not
-            self._lessons.learn(touch, encounter, True, now)
+            self._lessons.learn(touch, encounter, now)
             after = encounter.after(touch.event, self._is_at_top(touch, now), touch.bearing)
             self._follow(after, touch.bearing, now)
 
@@ -199,12 +198,16 @@ class ContactReflexes:
 
     def _left(self, leg: int, now: Now) -> ContactEvent:
         """Over its landing point a foot has found no ground; elsewhere it is only left over. Of one
-        whose foothold gave way it depends on whether the others can do without it.
+        whose foothold gave way it depends on whether the others can do without it; and while they
+        cannot, those in the air go straight down.
         """
-        if leg == self._sinking:
-            self._sinking = None
+        if self._sinking is not None:
             can_go = self._footholds.may_rise(leg, now.sensing)
-            return ContactEvent.GAVE_WAY if can_go else ContactEvent.SANK
+            if leg == self._sinking:
+                self._sinking = None
+                return ContactEvent.GAVE_WAY if can_go else ContactEvent.SANK
+            if not can_go:
+                return ContactEvent.NEEDED
         foot = feet_absolute(now.sensing)[leg]
         goal = self._goal(leg, now)
         over = math.hypot(foot[0] - goal[0], foot[1] - goal[1]) <= AT_GOAL

@@ -58,6 +58,7 @@ class ContactEvent(StrEnum):
     NOTHING = "nothing"
     ORDER = "order"  # the operator wants to go on
     LEFT = "left in the air"  # when the encounter of another foot was over
+    NEEDED = "needed"  # in the air, and the feet that stand do not carry the body
 
 
 TABLE: dict[tuple[FootState, ContactEvent], FootState] = {
@@ -67,6 +68,7 @@ TABLE: dict[tuple[FootState, ContactEvent], FootState] = {
     (FootState.NORMAL, ContactEvent.GAVE_WAY): FootState.WITHDRAW,  # case 3
     (FootState.NORMAL, ContactEvent.SANK): FootState.DESCEND,  # case 3
     (FootState.NORMAL, ContactEvent.LEFT): FootState.SEARCH,
+    (FootState.NORMAL, ContactEvent.NEEDED): FootState.DESCEND,
     (FootState.RETRACE, ContactEvent.DONE): FootState.RETRY,  # (a) → (b)
     (FootState.RETRACE, ContactEvent.HIT): FootState.CLIMB,
     (FootState.RETRY, ContactEvent.HIT): FootState.CLIMB,  # (b) → (c)
@@ -83,7 +85,7 @@ TABLE: dict[tuple[FootState, ContactEvent], FootState] = {
     (FootState.SEARCH, ContactEvent.FOUND): FootState.PLACE,
     (FootState.SEARCH, ContactEvent.NOTHING): FootState.STRANDED,
     (FootState.PLACE, ContactEvent.HIT): FootState.SEARCH,
-    (FootState.PLACE, ContactEvent.NO_GROUND): FootState.SEARCH,
+    (FootState.PLACE, ContactEvent.NO_GROUND): FootState.DESCEND,
     (FootState.PLACE, ContactEvent.EDGE): FootState.WITHDRAW,
     (FootState.PLACE, ContactEvent.LANDED): FootState.NORMAL,
     (FootState.STRANDED, ContactEvent.ORDER): FootState.SEARCH,

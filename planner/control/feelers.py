@@ -14,6 +14,7 @@ from .execution import Execution, feet_absolute
 
 AHEAD = 0.5  # cosine of how far aside of its way, 60°, a foot takes what it feels for an obstacle
 LOOKS_ON = 0.1  # s of the plan, over which the way of the foot is told
+LEVEL = 0.01  # m; ground higher than this beside a sole stands beside it
 CLOSE_BY = 3  # whiskers that touch what stands nearer than ``CLOSE`` of their reach
 CLOSE = math.sqrt(0.5)  # of the reach of one 45° aside, seen straight ahead
 
@@ -42,7 +43,7 @@ class Feelers:
 
     def surprise(self, sensing: Sensing, terrain: TerrainMap) -> Touch | None:
         """Case 1 or 3 in the running plan: a swing foot meets what the map does not show, or its
-        foothold is an edge.
+        foothold is an edge, or closer beside something than the map has it.
         """
         run = self._run
         phase = run.tracker.phase(run.t)
@@ -54,8 +55,12 @@ class Feelers:
         elif phase is Phase.DOWN:
             for leg in run.plan.swing:
                 self._look_beside(leg, sensing)
-                if sensing.soles[leg] and hangs_over(leg, sensing) and not run.landed(leg):
+                if not sensing.soles[leg] or run.landed(leg):
+                    continue
+                if hangs_over(leg, sensing):
                     return Touch(ContactEvent.EDGE, leg, hangs_over_towards(leg, sensing))
+                if self._is_closer_than_shown(leg, sensing, terrain):
+                    return Touch(ContactEvent.EDGE, leg, None, self._tall[leg][1])
         return None
 
     def noticed(self, encounter: Encounter, sensing: Sensing, terrain: TerrainMap) -> Touch | None:
@@ -63,16 +68,16 @@ class Feelers:
         leg = encounter.leg
         self._look_beside(leg, sensing)
         bearing = self._felt(leg, sensing, terrain)
-        event = self._event(encounter, sensing, terrain, bearing)
+        event = self._event(encounter, sensing, bearing)
         _, tall = self._tall.get(leg, (None, None))
         return None if event is None else Touch(event, leg, bearing, tall)
 
     def _event(
-        self, encounter: Encounter, sensing: Sensing, terrain: TerrainMap, bearing: float | None
+        self, encounter: Encounter, sensing: Sensing, bearing: float | None
     ) -> ContactEvent | None:
         run = self._run
         phase = run.phase
-        if phase is Phase.DOWN and (came := self._came_down(encounter, sensing, terrain)):
+        if phase is Phase.DOWN and (came := self._came_down(encounter, sensing)):
             return came
         drags = self._drags(encounter.leg, sensing)
         if phase is Phase.RETURN and encounter.state in _MOVING_ON:
@@ -109,38 +114,39 @@ class Feelers:
         elif leg not in self._tall:
             self._tall[leg] = stands_beside(leg, sensing), feet_absolute(sensing)[leg][2]
 
-    def _came_down(
-        self, encounter: Encounter, sensing: Sensing, terrain: TerrainMap
-    ) -> ContactEvent | None:
+    def _came_down(self, encounter: Encounter, sensing: Sensing) -> ContactEvent | None:
         """Its sole is on: for good, or is that no foothold? Better a bad one than none."""
         leg = encounter.leg
         landed = self._run.landed(leg)
         bad = landed and hangs_over(leg, sensing)
-        bad = bad or self._fell_beside(encounter, sensing, terrain)
+        bad = bad or self._fell_beside(encounter, sensing)
         if bad and encounter.edges < self._settings.edges_max:
             return ContactEvent.EDGE
         return ContactEvent.LANDED if landed else None
 
-    def _fell_beside(self, encounter: Encounter, sensing: Sensing, terrain: TerrainMap) -> bool:
+    def _fell_beside(self, encounter: Encounter, sensing: Sensing) -> bool:
         """True of a foot that met something, or no ground where the map has it, and came down close
-        before what stands there: it missed that, by less than its sole. What stands behind one that
-        went down may well be what it comes from, and be on the map. Whiskers say so at once only:
-        those of a foot that carries feel nothing.
+        before what stands there: it missed that, by less than its sole; or close before what it
+        went down from. Whiskers say so at once only: those of a foot that carries feel nothing.
         """
         leg = encounter.leg
         if encounter.state not in _SURPRISED or leg not in self._tall or not sensing.soles[leg]:
             return False
         if self._is_ahead(leg):
             return True
-        if encounter.state is FootState.RETRY:
-            return False
-        return not self._is_shown(feet_absolute(sensing)[leg], terrain)
+        return encounter.state is FootState.DESCEND
 
     def _is_ahead(self, leg: int) -> bool:
         """True when what stands close beside a foot stands where the machine is going."""
         beside, _ = self._tall[leg]
         plan = self._run.interrupted or self._run.plan
         return beside is not None and math.cos(beside - plan.end.body[3] - plan.crab_angle) > AHEAD
+
+    def _is_closer_than_shown(self, leg: int, sensing: Sensing, terrain: TerrainMap) -> bool:
+        """True of a foot that has come down close beside what the map has not there."""
+        if leg not in self._tall:
+            return False
+        return not self._is_shown_close_by(feet_absolute(sensing)[leg], terrain)
 
     def _drags(self, leg: int, sensing: Sensing) -> bool:
         """True when a foot that was off the ground drags over it on its way."""
@@ -173,9 +179,18 @@ class Feelers:
 
     def _is_shown(self, foot: Point, terrain: TerrainMap) -> bool:
         """True when the map has ground higher than the foot within reach of its whiskers."""
-        x, y, z = foot
         reach = self._run.machine.foot_radius + self._settings.whisker_tip + terrain.cell
-        return terrain.crest_in(x - reach, x + reach, y - reach, y + reach) > z
+        return _crest_about(foot, reach, terrain) > foot[2]
+
+    def _is_shown_close_by(self, foot: Point, terrain: TerrainMap) -> bool:
+        """True when the map has ground higher than what the foot stands on close beside it."""
+        reach = CLOSE * (self._run.machine.foot_radius + self._settings.whisker_tip)
+        return _crest_about(foot, reach, terrain) > foot[2] + LEVEL
+
+
+def _crest_about(foot: Point, reach: float, terrain: TerrainMap) -> float:
+    x, y, _ = foot
+    return terrain.crest_in(x - reach, x + reach, y - reach, y + reach)
 
 
 _LIFTED_FIRST = (FootState.RETRY, FootState.PLACE)

@@ -28,6 +28,9 @@ from .tracking import TrajectoryTracker, bent, curved
 
 TURN_MIN = 1e-12  # rad; less than this to turn in one tick is no turn
 LEVEL = 1e-12  # rad; a posture sensor that reads less reads level
+# rad; a body further off level than this is levelled about its feet by its whole rotation: to first
+# order it would drag them
+TILTED = math.radians(2.0)
 ZERO = (0.0, 0.0, 0.0)
 
 
@@ -64,7 +67,7 @@ def reflex(
     """One tick of Level C: the body-frame foot velocities, m/s, that bring everything to where the
     plan has it at ``t_next``.
     """
-    if playback.leans:
+    if playback.leans or max(map(abs, sensing.body[3:5])) > TILTED:
         return leaning_reflex(playback, t_next, sensing, state, gains, dt)
     (bx, by, _, roll, pitch, yaw), feet_b, soles = sensing.body, sensing.feet_b, sensing.soles
     start, body, rate, air, stand, down, feet, ground, bend, curves = playback.stretches[

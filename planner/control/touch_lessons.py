@@ -30,10 +30,10 @@ class TouchLessons:
         """The foothold here gave way, and what lies around it may do so too."""
         self.felt.prohibited |= cells_near(foot, self._settings.edge_depth, terrain)
 
-    def learn(self, touch: Touch, encounter: Encounter | None, placing: bool, now: Now) -> None:
+    def learn(self, touch: Touch, encounter: Encounter | None, now: Now) -> None:
         """What touch has shown: how high ground stands beside the foot, and which cells no foot may
-        land on, or a rectangle of them along an edge whose direction was felt. ``placing``: the
-        foot was on its way to a place where there is to be ground.
+        land on, or a rectangle of them along an edge whose direction was felt. There is no ground
+        where a foot has gone down as far as its leg reaches, and has met none.
         """
         foot = feet_absolute(now.sensing)[touch.leg]
         under = cell_of(foot, now.terrain)
@@ -43,7 +43,7 @@ class TouchLessons:
             self._learn_a_bar(touch, encounter, now)
         elif touch.event is ContactEvent.EDGE:
             self._learn_a_bad_foothold(touch, now)
-        elif touch.event is ContactEvent.NO_GROUND and placing:
+        elif touch.event is ContactEvent.NO_GROUND and _reached_the_bottom(encounter):
             self.felt.prohibited |= under
             self.felt.dig(under)
 
@@ -60,9 +60,9 @@ class TouchLessons:
         elif wall is not None and touch.tall is not None:
             radius = self._run.machine.foot_radius
             length = self._settings.edge_length
-            size = length, radius
-            self.felt.prohibited |= cells_ahead(foot, wall, now.terrain, size)
             reach = CLOSE * (radius + self._settings.whisker_tip)
+            size = length, reach + radius
+            self.felt.prohibited |= cells_ahead(foot, wall, now.terrain, size)
             x, y = placed((foot[0], foot[1], wall), reach, 0.0)
             size = length, self._settings.edge_depth
             beyond = cells_ahead((x, y, foot[2]), wall, now.terrain, size)
@@ -107,6 +107,11 @@ class TouchLessons:
 
     def _edge(self, foot: Point, bearing: float, terrain: TerrainMap) -> CellSet:
         return edge_cells(foot, bearing, terrain, self._settings)
+
+
+def _reached_the_bottom(encounter: Encounter | None) -> bool:
+    """True of a foot that has gone down as far as its leg reaches, and of no other."""
+    return encounter is not None and encounter.state in (FootState.RETRY, FootState.DESCEND)
 
 
 def _bars_the_way(event: ContactEvent, encounter: Encounter) -> bool:

@@ -109,9 +109,10 @@ class WalkState:
     def stop(self, now: Now) -> None:
         """The body stops, as soon as its margin allows; feet in the air are set down where they are
         nearest to ground. A body too fast to stop without one that lands soon goes on until then.
+        One whose sole is on stands already.
         """
         run = self.run
-        airborne = run.in_the_air()
+        airborne = [leg for leg in run.in_the_air() if not now.sensing.soles[leg]]
         here = self.brought_to_rest(now)
         if airborne and lands_first(run, self._braking):
             self._braking = None

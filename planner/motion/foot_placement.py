@@ -19,6 +19,7 @@ from ..types import Blocked, Gait, Point, Reason, Stance, StepPlan
 from .step_builder import FootWay, body_still_plan
 from .swing import CLEARANCE, STRETCHES, SwingCorners, aim_of, profile_of, swing_speeds
 
+STRETCHES_FOR = 0.05  # m of way that is worth a stretched leg
 STAYS = 1e-6  # m; a foot this near above its landing point goes straight down
 
 
@@ -91,23 +92,38 @@ def _placing(stance: Stance, ways: dict[int, FootWay], machine: Machine, gait: G
 
 def nearest_ground(stance: Stance, leg: int, terrain: TerrainMap, machine: Machine) -> Point | None:
     """The valid landing point nearest to a lifted foot: straight below if it may land there, else a
-    cell centre.
+    cell centre. One that the leg must be stretched for is taken where it is nearer by
+    ``STRETCHES_FOR`` and more.
     """
     x, y, _ = stance.feet[leg]
+    reached = _nearest_within(0.0, stance, leg, terrain, machine)
+    worth = machine.size * STRETCHES_FOR
+    if reached is not None and math.hypot(reached[0] - x, reached[1] - y) <= worth:
+        return reached
+    stretched = _nearest_within(min(machine.overreach[:2]), stance, leg, terrain, machine)
+    if reached is None or stretched is None:
+        return reached or stretched
+    way, other = (math.hypot(at[0] - x, at[1] - y) for at in (reached, stretched))
+    return stretched if way - other > worth else reached
+
+
+def _nearest_within(
+    reach: float, stance: Stance, leg: int, terrain: TerrainMap, machine: Machine
+) -> Point | None:
+    """The same, no farther than ``reach`` beyond the leg's rectangle."""
+    x, y, _ = stance.feet[leg]
     spec = machine.legs[leg]
-    reach = 0.0
-    for reach in (0.0, min(machine.overreach[:2])):
-        if _fits(x, y, stance, spec, terrain, machine, reach):
-            return x, y, terrain.height_at(x, y)
-        points = sorted(
-            _centres_in_reach(stance, spec, terrain, reach),
-            key=lambda p: (math.hypot(p[0] - x, p[1] - y), p),
-        )
-        for px, py in points:
-            if _fits(px, py, stance, spec, terrain, machine, reach) and _way_is_low(
-                stance, leg, px, py, terrain, machine
-            ):
-                return px, py, terrain.height_at(px, py)
+    if _fits(x, y, stance, spec, terrain, machine, reach):
+        return x, y, terrain.height_at(x, y)
+    points = sorted(
+        _centres_in_reach(stance, spec, terrain, reach),
+        key=lambda p: (math.hypot(p[0] - x, p[1] - y), p),
+    )
+    for px, py in points:
+        if _fits(px, py, stance, spec, terrain, machine, reach) and _way_is_low(
+            stance, leg, px, py, terrain, machine
+        ):
+            return px, py, terrain.height_at(px, py)
     return None
 
 

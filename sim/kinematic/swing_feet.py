@@ -72,6 +72,9 @@ def _feel(q: Configuration, leg: int, x: float, y: float, z: float) -> XY:
         short = max(0.0, touch.share - SHORT_OF)
         x = foot[0] + (x - foot[0]) * short
         y = foot[1] + (y - foot[1]) * short
+    height = q.ground.height_at(x, y)
+    if z < height <= foot[2]:  # it stops on the ground, however far it was driven
+        z = height
     q.whiskers[leg] = q.contact.feel(x, y, z, q.body[5])
     return x, y
 
@@ -100,12 +103,14 @@ def _touch(q: Configuration, leg: int, driven: tuple[float, float, float], heigh
 
 def overhang(ground: Ground, radius: float, yaw: float, sole: tuple[float, float, float]) -> int:
     """Directions of eight, bit 0 along body +x, in which the rim of a sole on the ground has none
-    under it, as finely as the map tells.
+    under it, as finely as the map tells: by the cells about the one it stands in.
     """
     x, y, height = sole
     reach = math.floor(radius / ground.cell + 1e-9) * ground.cell
-    if ground.final or reach == 0.0:
+    cell = ground.cell_at(x, y)
+    if ground.final or reach == 0.0 or cell is None:
         return 0
+    x, y = ground.centre(*cell)
     bits = 0
     for k in range(8):
         c, s = direction(yaw + k * EIGHTH)

@@ -58,9 +58,22 @@ def test_stairs_are_walked_by_touch_alone_in_the_papers_mode(
     assert_stands_well(told)
 
 
-@pytest.mark.parametrize("at", [1.225, 1.275, 1.375])
-def test_so_they_are_wherever_they_begin(at: float) -> None:
-    told = walk("fig17-up", "sensing=none", "mode=paper", f"terrain.at={at}", "gait.body=sway")
+# downwards: an edge just ahead of a sole, and just behind it, shown or not; no ground but far below
+@pytest.mark.parametrize(
+    ("name", "at"),
+    [
+        ("fig17-up", 1.225),
+        ("fig17-up", 1.375),
+        ("fig17-down", 1.225),
+        ("fig17-down", 1.325),
+        ("fig17-down", 1.35),
+        ("fig17-down", 1.4),
+        ("fig15", 1.325),
+        ("fig15", 1.4),
+    ],
+)
+def test_so_they_are_wherever_they_begin(name: str, at: float) -> None:
+    told = walk(name, "sensing=none", "mode=paper", f"terrain.at={at}", "gait.body=sway", "seed=1")
     assert told.ending == ("completed", "distance")
     assert told.forbidden == 0 and told.encounters.get("hit", 0) <= 15
     assert_stands_well(told)

@@ -8,6 +8,7 @@ import pytest
 
 from tests.planner.control.plans import FEET, flat, sensed, swinging_at
 from walking_console.planner.control.encounter import ContactEvent, Encounter, FootState
+from walking_console.planner.control.execution import feet_absolute
 from walking_console.planner.control.feelers import (
     Feelers,
     felt_ahead,
@@ -123,11 +124,23 @@ def test_a_surprised_foot_that_comes_down_close_before_something_is_on_a_bad_foo
     assert touch.tall == pytest.approx(z)
 
 
-def test_what_stands_close_behind_one_that_went_down_is_bad_where_the_map_does_not_show_it():
-    touch, _ = gone_down(BEHIND)
+@pytest.mark.parametrize("terrain", [LOW, GROUND])
+def test_one_that_went_down_close_before_what_it_comes_from_is_on_a_bad_foothold(terrain):
+    touch, _ = gone_down(BEHIND, terrain)
     assert touch is not None and touch.event is ContactEvent.EDGE
-    assert gone_down(BEHIND, GROUND)[0] is None
-    assert gone_down(BEHIND, state=FootState.RETRY)[0] is None
+    assert gone_down(BEHIND, terrain, FootState.RETRY)[0] is None  # it came over that
+
+
+@pytest.mark.parametrize(("higher", "bad"), [(None, True), (0.05, False), (0.15, True)])
+def test_a_step_that_ends_closer_beside_something_than_the_map_has_it_ends_on_a_bad_foothold(
+    higher, bad
+):
+    feelers, sensing = feeling(0.95, whiskers=BEHIND)
+    x, y, z = feet_absolute(sensing)[0]
+    heights = {} if higher is None else {LOW.cell_at(x - higher, y): 0.2}
+    touch = feelers.surprise(sensing, LOW.told((), heights))
+    assert (touch is not None and touch.event is ContactEvent.EDGE) is bad
+    assert touch is None or touch.tall == pytest.approx(z)
 
 
 def test_something_farther_off_or_beside_a_foot_that_is_put_where_ground_was_found_is_not_bad():

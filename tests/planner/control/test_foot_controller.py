@@ -80,6 +80,16 @@ class TestSupport:
         for roll, pitch in ((0.05, 0.0), (0.0, 0.05), (-0.03, 0.04)):
             assert tilt_after(Gains(), roll, pitch, 60) < 1e-4 * math.hypot(roll, pitch)
 
+    @pytest.mark.parametrize(("roll", "pitch"), [(0.3, 0.0), (0.0, -0.2), (-0.1, 0.15)])
+    def test_a_body_far_off_level_is_levelled_without_dragging_its_feet(self, roll, pitch):
+        tilted = sensed((0.0, 0.0, HEIGHT, roll, pitch, 0.0))
+        out, _ = follow(holding_plan(Stance((0, 0, HEIGHT, 0), FEET)), TICK, tilted)
+        before = np.array(tilted.feet_b)
+        after = before + TICK * np.array(out)
+        apart = [np.linalg.norm(each[:, None] - each[None], axis=2) for each in (before, after)]
+        assert np.abs(after - before).max() > 0.005
+        assert apart[0] == pytest.approx(apart[1], abs=1e-12)
+
     def test_with_the_opposite_sign_it_diverges(self):
         assert tilt_after(Gains(posture=-0.2), 0.01, 0.0, 10) > 0.04
 

@@ -122,7 +122,7 @@ def test_without_another_foothold_the_reason_is_that_the_ground_gave_way():
     assert (state.blocked.reason, state.blocked.leg) == (Reason.GAVE_WAY, 1)
 
 
-def test_a_leg_in_the_air_is_put_down_before_the_foothold_is_seen_to():
+def test_a_leg_in_the_air_is_put_down_before_the_foothold_is_seen_to_and_straight_if_needed():
     state = walker(t=0.6)
     contacts = ContactReflexes(state)
     x, y, z, yaw = state.run.tracker.body_at(0.6)
@@ -134,7 +134,7 @@ def test_a_leg_in_the_air_is_put_down_before_the_foothold_is_seen_to():
     tick = now(body=body, feet=tuple(feet), soles=off)
     assert contacts.is_surprised(tick)
     assert contacts.encounter is not None and contacts.encounter.leg == 0
-    assert contacts.encounter.state is FootState.PLACE and contacts.counts == {}
+    assert contacts.encounter.state is FootState.DESCEND and contacts.counts == {}
     state.run.reflexes = state.run.reflexes._replace(landed=(True, False, False, False))
     state.run.t = state.run.tracker.duration
     contacts.react(replace(tick, sensing=tick.sensing._replace(soles=OFF)))

@@ -32,7 +32,7 @@ def against_a_wall(dx):
     told = lessons()
     tick = at(dx, 0.4)
     met = Encounter(FootState.CLIMB, 0, (HOME[0] + 0.3, HOME[1], 0.0), felt=0.0)
-    told.learn(Touch(ContactEvent.TOP, 0, None), met, True, tick)
+    told.learn(Touch(ContactEvent.TOP, 0, None), met, tick)
     return told.take()
 
 
@@ -53,13 +53,16 @@ def test_the_foot_may_go_back_to_where_it_stood_however_near_the_wall_is():
     assert felt.prohibited
 
 
-def test_ground_that_was_not_there_is_a_hole_from_now_on_where_it_was_searched_for():
-    for placing, dug in ((True, True), (False, False)):
-        told = lessons()
-        told.learn(Touch(ContactEvent.NO_GROUND, 0, None), None, placing, at(0.1, -0.2))
-        felt = told.take()
-        assert bool(felt.prohibited) is dug
-        assert all(math.isnan(height) for height in felt.heights.values())
+@pytest.mark.parametrize(
+    ("state", "dug"), [(None, False), (FootState.PLACE, False), (FootState.DESCEND, True)]
+)
+def test_there_is_a_hole_where_a_foot_has_gone_as_far_down_as_its_leg_reaches(state, dug):
+    met = None if state is None else Encounter(state, 0, HOME)
+    told = lessons()
+    told.learn(Touch(ContactEvent.NO_GROUND, 0, None), met, at(0.1, -0.2))
+    felt = told.take()
+    assert bool(felt.prohibited) is dug
+    assert all(math.isnan(height) for height in felt.heights.values())
 
 
 def test_a_foothold_that_gave_way_marks_what_lies_within_ten_centimetres_of_it():
@@ -77,11 +80,13 @@ def test_what_a_foot_went_down_beside_is_as_tall_as_it_was_first_felt_and_its_fo
     told = lessons()
     tick = at(0.1, -0.1)
     tick.sensing = tick.sensing._replace(whiskers=(0b10000011, 0, 0, 0))
-    told.learn(Touch(ContactEvent.EDGE, 0, None, 0.05), None, True, tick)
+    told.learn(Touch(ContactEvent.EDGE, 0, None, 0.05), None, tick)
     felt = told.take()
     x = HOME[0] + 0.1
     places = [GROUND.centre(*cell)[0] for cell in felt.heights]
     assert places and min(places) > x + 0.03 and set(felt.heights.values()) == {0.05}
     strip = [GROUND.centre(*cell) for cell in felt.prohibited]
-    assert all(abs(a - x) < 0.03 + GROUND.cell for a, _ in strip)
+    # as far as it may stand, and a sole beyond
+    assert max(a for a, _ in strip) == pytest.approx(x + 0.0866, abs=GROUND.cell)
+    assert all(abs(a - x) < 0.0866 + GROUND.cell for a, _ in strip)
     assert max(b for _, b in strip) - min(b for _, b in strip) == pytest.approx(0.3, abs=0.05)

@@ -45,6 +45,12 @@ def test_a_body_that_stops_with_a_foot_in_the_air_sets_it_down():
     assert state.run.interrupted is not None and state.blocked is None
 
 
+def test_one_whose_sole_is_on_stands_where_it_is():
+    state = swinging()
+    state.stop(now())
+    assert state.activity is Activity.STAND and state.run.interrupted is None
+
+
 def test_where_there_is_no_ground_for_it_the_foot_is_held_and_the_reason_said():
     state = swinging()
     state.stop(now(terrain=flat(holes=True), **ON_THREE))

@@ -1,6 +1,7 @@
 """A lifted foot comes down on the nearest ground it may stand on while the body waits."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -42,6 +43,25 @@ def test_it_comes_down_on_the_nearest_allowed_cell_in_reach(seed: int) -> None:
     found = nearest_ground(lifted(1), 1, terrain, HEXAPOD)
     assert found is not None
     assert math.hypot(found[0] - x, found[1] - y) == pytest.approx(min(able))
+
+
+@pytest.mark.parametrize(("farther", "stretches"), [(0.02, False), (0.12, True)])
+def test_a_leg_is_stretched_for_ground_that_is_nearer_by_five_centimetres(
+    farther: float, stretches: bool
+) -> None:
+    x1, x2, y1, y2 = HEXAPOD.boxes[0]
+    y = (y1 + y2) / 2.0
+    forbidden = np.ones((400, 400), bool)
+    terrain = TerrainMap(np.zeros((400, 400)), forbidden, 0.02, (-4.0, -4.0))
+    ahead, back = (terrain.cell_at(x, y) for x in (x2 + 0.03, x2 - 0.03 - farther))
+    assert ahead is not None and back is not None
+    forbidden = forbidden.copy()
+    forbidden[ahead] = forbidden[back] = False
+    terrain = TerrainMap(terrain.heights, forbidden, 0.02, (-4.0, -4.0))
+    stance = lifted(0)
+    stance = replace(stance, feet=((x2, y, 0.15), *stance.feet[1:]))
+    found = nearest_ground(stance, 0, terrain, HEXAPOD)
+    assert found is not None and (found[0] > x2) is stretches
 
 
 def test_it_clears_what_is_on_its_way_and_aims_below_the_ground() -> None:

@@ -1,11 +1,14 @@
 """Feet in the air, and what stops them."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
 from tests.sim.kinematic.machines import TITAN, made, one_leg, run, shaped, standing
 from walking_console.sim.kinematic.configuration import STEP_UP
+from walking_console.sim.kinematic.swing_feet import overhang
+from walking_console.sim.terrain.generators import Obstacle
 
 
 def test_a_foot_stops_on_the_ground_of_its_cell():
@@ -37,6 +40,25 @@ def test_a_riser_stops_a_foot_on_its_way_and_its_whiskers_say_where():
     run(plant, one_leg(0, (0.5, 0.0, 0.0)), 4)
     assert plant.feet[0][0] == pytest.approx(0.59, abs=0.002)  # over it
     assert plant.whiskers[0] == 0
+
+
+@pytest.mark.parametrize("aside", [-0.49, -0.2, 0.0, 0.2, 0.49])
+@pytest.mark.parametrize("cells", [1, 2])
+def test_a_sole_hangs_over_all_of_the_cell_before_a_drop_as_the_map_has_it_and_no_other(
+    aside, cells
+):
+    ground = shaped(lambda x, y: -0.2 if x > 0.5 else 0.0)
+    row, column = ground.cell_at(0.5 - 1e-6, 0.3)
+    x = ground.centre(row, column + 1 - cells)[0] + aside * ground.cell
+    assert (overhang(ground, 1.2 * ground.cell, 0.2, (x, 0.3, 0.0)) != 0) is (cells == 1)
+
+
+def test_whiskers_do_not_feel_what_a_foot_has_just_come_down_on():
+    top = Obstacle(0.45, 0.475, 0.0, 0.1, radius=0.3)
+    plant = standing(ground=shaped(lambda x, y: 0.1 if x > 0.2 and y > 0.2 else 0.0), up={0: 0.05})
+    plant.replace_ground(replace(plant.q.ground, obstacles=(top,)))
+    run(plant, one_leg(0, (0.0, 0.0, -0.79)), 6)
+    assert plant.soles[0] and plant.whiskers[0] == 0
 
 
 def test_a_low_riser_is_ridden_over():
