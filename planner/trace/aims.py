@@ -37,7 +37,7 @@ def best_way(found: Attempt, task: Task, aim: str) -> Generator[Weight, None, At
     least = yield from _cost(found, task, aim)
     for manner in _manners(task, aim):
         other = Attempt(task, manner)
-        yield from other.along(0.0, LIMIT, LIMIT)
+        yield from other.along(0.0, LIMIT, LIMIT, briefly=True)
         best.looked += other.looked
         if not (other.path.complete and other.moves):
             continue

@@ -72,6 +72,14 @@ class Manner(NamedTuple):
     change_cost: float = 0.0  # samples a change of state counts for; 0: K's order first
 
 
+class _Brief(NamedTuple):
+    """A search that was ended early: the states it may meet, and where it can lead at most."""
+
+    met_max: int
+    met_max_dense: int
+    most: int  # sample
+
+
 class Attempt:
     """The search for states along one course, first on it, then beside it too.
 
@@ -85,8 +93,7 @@ class Attempt:
         self.machine = task.machine
         self.gait = task.gait
         self.manner = manner
-        self.rigid = manner.rigid
-        self.path = StatePath((), False, course.start, 0, False)
+        self.path = StatePath((), False, course.start, 0, False, course.goal)
         self.moves: tuple[Move, ...] = ()
         self.looked = 0
         self.torso_stops = False
@@ -94,6 +101,7 @@ class Attempt:
         self.was_thinned = False  # the last search saw only some of the footholds there are
         self.leads_in_the_open = False  # over ground of which nothing is forbidden
         self._lane: Lane | None = None  # on the trace, once it has been asked for
+        self._brief: _Brief | None = None  # a search ended early
 
     def on_plenty(self, count: int) -> Generator[Weight, None, None]:
         """Search on the trace, if most of the ground along it may be stepped on. What leads well
@@ -101,7 +109,7 @@ class Attempt:
         """
         course = self.course
         self._lane = lane = self._lane_with(0.0)
-        if self.rigid is not None and is_plenty(lane, self.terrain, self.machine):
+        if self.manner.rigid is not None and is_plenty(lane, self.terrain, self.machine):
             yield from self.along(0.0, count, count)
             lead = (self.path.farthest - course.start) * course.trace.step / self.machine.torso[0]
             if self.moves and lead >= LEAD_MIN:
@@ -111,11 +119,20 @@ class Attempt:
                 self.leads_in_the_open = is_open(lane, self.terrain, self.machine)
 
     def along(
-        self, aside: float, count: int, count_dense: int, whole: bool = False
+        self,
+        aside: float,
+        count: int,
+        count_dense: int,
+        *,
+        whole: bool = False,
+        briefly: bool = False,
     ) -> Generator[Weight, None, bool]:
         """Search with rows up to ``aside`` m beside the trace, meeting ``count`` states at most, or
         ``count_dense`` where there is plenty of ground, which is thinned unless it is to be looked
         at ``whole``; True when there is no more to try.
+
+        ``briefly``: a wider search follows. This one ends where no way is known to lead to the
+        goal, and is made to its end after all if the wider one leads no farther than it could.
         """
         course = self.course
         terrain = self.terrain
@@ -132,10 +149,26 @@ class Attempt:
         yield None
         start = SupportState(_footing(reachable, self.stance, course.start), course.start)
         if not reachable.accept(start.feet, start.at):
+            yield from self._after_all()
             return True
-        for _ in range(1 + BANS_MAX):
-            found = yield from self._search(reachable, start, count)
+        most = yield from self._ways(reachable, start, count, briefly)
+        if most is not None:
+            self._brief = _Brief(count, count_dense, most)
+        self.was_thinned = thin > 1
+        return self.path.complete
+
+    def _ways(
+        self, reachable: Reachability, start: SupportState, count: int, briefly: bool
+    ) -> Generator[Weight, None, int | None]:
+        """Keep the way that is found, and look for others where a leg would meet something on it;
+        where it is not looked for to its end, the sample it can lead to at most.
+        """
+        for ban in range(1 + BANS_MAX):
+            found = yield from self._search(reachable, start, count, briefly and not ban)
             self.looked += found.looked
+            if briefly and not ban and found.most < self.course.goal:
+                return found.most
+            yield from self._after_all(found.farthest)
             if found.farthest <= self.path.farthest and self.moves:
                 break
             met = yield from self._take(reachable, found)
@@ -144,7 +177,7 @@ class Attempt:
             reachable.ban(*met, BANNED)
             if not reachable.accept(start.feet, start.at):
                 break
-        return self.path.complete
+        return None
 
     def _lane_with(self, aside: float) -> Lane:
         """The lane with rows up to ``aside`` m beside the trace."""
@@ -152,14 +185,20 @@ class Attempt:
         return lane_along(self.course.trace, self.course.window, *known, aside)
 
     def _search(
-        self, reachable: Reachability, start: SupportState, count: int
+        self, reachable: Reachability, start: SupportState, count: int, briefly: bool
     ) -> Generator[Weight, None, StatePath]:
         goal = self.course.goal
-        if self.rigid is None:
+        if self.manner.rigid is None:
             few = self.manner.change_cost
-            return (yield from search(reachable, start, goal, count, few == 0.0, few))
-        groups = _from_next(self.rigid, self.stance.last_swing)
+            return (yield from search(reachable, start, goal, count, few, briefly))
+        groups = _from_next(self.manner.rigid, self.stance.last_swing)
         return (yield from search_rigid(reachable, start, goal, count, groups))
+
+    def _after_all(self, farthest: int = -1) -> Generator[Weight, None, None]:
+        """The search that was ended early, to its end, unless this one has come farther."""
+        brief, self._brief = self._brief, None
+        if brief is not None and farthest <= brief.most:
+            yield from self.along(0.0, brief.met_max, brief.met_max_dense)
 
     def _take(
         self, reachable: Reachability, found: StatePath
@@ -172,7 +211,7 @@ class Attempt:
         grazes = reachable.clearance.torso_grazes
         self.torso_stops = grazes and not _has_torso_room(reachable, beyond)
         self.out_of_height = None if found.complete else reachable.out_of_height(beyond)
-        together = () if self.rigid is None else (1,)
+        together = () if self.manner.rigid is None else (1,)
         course = self.course
         moves = yield from moves_along(
             reachable, self.path, course.offset, course.trace.step, *together

@@ -186,7 +186,8 @@ def _first_way(
     for aside, count in looks:
         if aside and rigid is not None:
             break
-        done = yield from attempt.along(aside, count, limit)
+        wider_follows = rigid is None and aside < looks[-1][0]
+        done = yield from attempt.along(aside, count, limit, briefly=wider_follows)
         if done:
             break
         yield None

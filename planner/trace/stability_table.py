@@ -72,6 +72,11 @@ class StabilityTable:
                 self._least[a, b] = inside
         return True
 
+    @property
+    def least_margin(self) -> float:
+        """The least margin planned for anywhere, that of the machine as it stands included, m."""
+        return min([self.margin, *self._least.values()])
+
     def _stability(self, feet: Footing) -> int:
         mask = self._all
         edges = self._edges

@@ -10,6 +10,7 @@ farther ahead always comes first.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, replace
 from heapq import heappop, heappush
@@ -21,11 +22,15 @@ from .footholds import AIR, Footing, legs_clear
 from .reachability import Reachability
 from .samples import first_bit
 from .state_sequence import SupportState, k_step
+from .upper_bound import farthest_possible
 
 PAUSE = 40  # work between two yields. More: see ticks come late
 PAUSE_WEIGHT = 8  # what it weighs, in postures looked at
 PAUSE_WEIGHT_RIGID = 5  # the same of a rigid gait, whose choices are fewer
 ENTERING = 8  # what entering a state costs of it; looking at a leg costs 1
+# states met since it came farther, after which it is asked how far any way can lead at most, on the
+# trace and beside it; fewer: see that asked where there is a way
+STUCK, STUCK_ASIDE = 100, 400
 LIFE_WEIGHT = 0.35  # how much the mean remaining life of the feet counts beside the sample reached
 
 
@@ -45,7 +50,8 @@ class StatePath:
     complete: bool
     farthest: int  # sample of the trace
     looked: int  # states met
-    exhausted: bool  # nothing was left to look at: there is no way
+    exhausted: bool  # there is known to be no way farther
+    most: int  # sample beyond which there is known to be no way
 
     def to_standing(self) -> StatePath:
         """The part up to the last state in which every leg stands: where to wait when there is no
@@ -64,26 +70,30 @@ def search(
     start: SupportState,
     goal: int,
     limit: int,
-    in_order: bool = True,
     change_cost: float = 0.0,
+    whole_only: bool = False,
 ) -> Generator[Weight, None, StatePath]:
     """States from ``start`` to one that lasts until sample ``goal``, or as far as ``limit`` states
     met could find.
 
     K's order first; where it fails the search goes on from every state it passed. ``change_cost``
-    samples are held to be lost by every change: with a high one the way has few. Yields now and
-    then, so that a caller may spread it over ticks; the answer does not depend on how.
+    samples are held to be lost by every change: with a high one the way has few, and K's order is
+    left out. Where the search is stuck it is asked how far any way can lead: so far and no farther
+    it goes on, not at all with ``whole_only`` where that is not to the goal. Yields now and then,
+    so that a caller may spread it over ticks; the answer does not depend on how.
     """
     met = _Met(reachable, change_cost)
     met.enter(start, None)
-    if in_order:
-        state: SupportState | None = start
-        while state is not None and met.farthest < goal and met.count < limit:
-            state = _follow_order(reachable, met, state)
-            yield None
+    if change_cost == 0.0:
+        yield from _in_order(met, start, goal, limit)
     heap = met.heap
     paused = 0
-    while heap and met.farthest < goal and met.count < limit:
+    most = goal
+    while heap and met.farthest < most and met.count < limit:
+        if met.is_stuck():
+            most = yield from _at_most(met, start, goal)
+            if most < goal and whole_only:
+                break
         value, _, state, place = heappop(heap)
         more = False
         code = met.code_of(state.feet)
@@ -99,7 +109,13 @@ def search(
         if more:
             met.serial += 1
             heappush(heap, (value + BATCH_COST, met.serial, state, place))
-    return met.path(met.farthest >= goal)
+    return met.path(most, met.farthest >= goal)
+
+
+def _at_most(met: _Met, start: SupportState, goal: int) -> Generator[Weight, None, int]:
+    """How far any way can lead: the goal, where nothing else is known."""
+    bound = yield from farthest_possible(met.reachable, start.at, met.farthest)
+    return goal if bound is None else bound
 
 
 class _Met:
@@ -119,6 +135,8 @@ class _Met:
         self._puttings: dict[tuple[int, int, int], list[_Put]] = {}
         self.farthest = -1
         self.best: StateKey | None = None
+        self._patience = STUCK if reachable.samples.rows == 1 else STUCK_ASIDE
+        self._asks_at = math.inf  # states met when it is next asked how far any way can lead
 
     def place_of(self, state: SupportState) -> int:
         return self.reachable.samples.unbroken(self.reachable.valid(state.feet), state.at)
@@ -145,6 +163,7 @@ class _Met:
         if end > self.farthest:
             self.best = key
             self.farthest = end
+            self._asks_at = self.count + self._patience
         return True
 
     def code_of(self, feet: Footing) -> int:
@@ -183,15 +202,40 @@ class _Met:
         """States met so far."""
         return len(self.came_from)
 
-    def path(self, complete: bool) -> StatePath:
+    def is_stuck(self) -> bool:
+        """True when it has met many states since it came farther last; once only each time."""
+        if self.count < self._asks_at:
+            return False
+        self._asks_at = math.inf
+        return True
+
+    def path(self, most: int, complete: bool) -> StatePath:
+        """The way that leads farthest; ``most`` is a sample beyond which none is known to lead."""
         states: list[SupportState] = []
         key = self.best
         while key is not None:
             states.append(self.state_of[key])
             key = self.came_from[key]
+        if not self.heap:
+            most = self.farthest
         return StatePath(
-            tuple(reversed(states)), complete, self.farthest, self.count, not self.heap
+            tuple(reversed(states)),
+            complete,
+            self.farthest,
+            self.count,
+            exhausted=self.farthest >= most,
+            most=most,
         )
+
+
+def _in_order(
+    met: _Met, start: SupportState, goal: int, limit: int
+) -> Generator[Weight, None, None]:
+    """K's order as far as it leads."""
+    state: SupportState | None = start
+    while state is not None and met.farthest < goal and met.count < limit:
+        state = _follow_order(met.reachable, met, state)
+        yield None
 
 
 def _follow_order(reachable: Reachability, met: _Met, state: SupportState) -> SupportState | None:
@@ -324,7 +368,7 @@ def search_rigid(
                 paused = 0
                 yield PAUSE_WEIGHT_RIGID
         yield 2
-    return met.path(met.farthest >= goal)
+    return met.path(goal, met.farthest >= goal)
 
 
 def moved_together(

@@ -63,7 +63,7 @@ def test_the_body_goes_on_along_the_trace_in_steps_of_a_sample() -> None:
 
 def test_no_states_make_no_moves() -> None:
     reachable, _ = field_on_trace(field_of(1.0, 0, HEXAPOD), 100)
-    nothing = StatePath((), False, 0, 0, True)
+    nothing = StatePath((), False, 0, 0, True, 0)
     assert run_to_completion(moves_along(reachable, nothing, 0.0, STEP)) == ()
 
 

@@ -114,5 +114,5 @@ def reached_beside(terrain: TerrainMap, aside: tuple[float, ...]) -> int:
 
 def test_beside_the_trace_a_field_can_be_crossed_that_the_trace_alone_cannot() -> None:
     terrain = field_of(0.015, 2, HEXAPOD)
-    assert reached_beside(terrain, (0.0,)) == 99, "no way on the trace: all states were looked at"
+    assert reached_beside(terrain, (0.0,)) == 99, "on the trace there is no way"
     assert reached_beside(terrain, (0.0, 0.05, -0.05, 0.1, -0.1)) == 320
