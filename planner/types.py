@@ -257,10 +257,10 @@ class Reason(Enum):
         "the torso would touch the ground: it needs {needs:.2f} m, the legs reach {reach:.2f} m"
     )
     NO_PROGRESS = (
-        "met something the map did not show {times:.0f} times at one place, and got no farther"
+        "met something the map did not show {times:.0f} times at one place, and got no farther{bar}"
     )
-    MARKING_TIME = "took {steps:.0f} steps at one place, and got no farther"
-    HELD_BACK = "the body is {off:.0f} mm {side} its legs, again and again"
+    MARKING_TIME = "took {steps:.0f} steps at one place, and got no farther{bar}"
+    HELD_BACK = "the body is {off:.0f} mm {side} its legs, again and again{bar}"
     # along a trace
     ARRIVED = "the trace ends here"
     NO_WAY_ALONG = "{search}"  # the trace: what stopped the search for states

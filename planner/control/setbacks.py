@@ -46,7 +46,7 @@ class Setbacks:
         count = 1 if known is None else known[2] + 1
         self._places = [*self._places, (x, y, count)][-PLACES_KEPT:]
         if count >= self._encounters_max:
-            self.why = Blocked(Reason.NO_PROGRESS, facts={"times": count})
+            self.why = Blocked(Reason.NO_PROGRESS, facts={"times": count, "bar": ""})
 
     def _known(self, x: float, y: float) -> tuple[float, float, int] | None:
         """The place with encounters that is near a body, m."""
@@ -60,7 +60,7 @@ class Setbacks:
         self.heed(command)
         known = self._known(body[0], body[1])
         if known is not None and known[2] + legs > self._encounters_max:
-            self.why = Blocked(Reason.NO_PROGRESS, facts={"times": known[2]})
+            self.why = Blocked(Reason.NO_PROGRESS, facts={"times": known[2], "bar": ""})
         x, y, yaw = self._began
         turned = self._yaw_length * (body[3] - yaw)
         if math.hypot(body[0] - x, body[1] - y, turned) > self._got_on:
@@ -68,7 +68,7 @@ class Setbacks:
             self._steps = 0
         self._steps += 1
         if self._steps >= self._steps_max:
-            self.why = Blocked(Reason.MARKING_TIME, facts={"steps": self._steps})
+            self.why = Blocked(Reason.MARKING_TIME, facts={"steps": self._steps, "bar": ""})
 
     def heed(self, command: Command) -> None:
         """Another course is another attempt."""

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ..motion.step_builder import changed
-from ..types import Blocked, Command, Reason, Stance, StepPlan
+from ..types import Blocked, Reason, Stance, StepPlan
 from .activities import Event
+from .barred_way import UNFELT, what_bars
 from .execution import off_place
 from .pacing import pace_for
 from .walk_state import Now, WalkState
@@ -29,12 +32,13 @@ class StepController:
         self._state.setbacks.heed(now.command)
         if self._state.setbacks.why is not None:
             job.refused = (now.command, now.terrain)
-            self._state.blocked = self._state.setbacks.why
+            self._state.blocked = self._naming_the_bar(self._state.setbacks.why, now)
             return
         if self._held >= self._run.config.tracking.held_max:
             self._held = 0
             job.refused = (now.command, now.terrain)
-            self._state.blocked = Blocked(Reason.HELD_BACK, facts=self._off)
+            held = Blocked(Reason.HELD_BACK, facts={**self._off, "bar": UNFELT})
+            self._state.blocked = self._naming_the_bar(held, now)
             return
         stance = job.stance_asked(now.command, now.terrain)
         if stance is None:
@@ -42,7 +46,7 @@ class StepController:
         answer = job.answer_standing(stance, now.command, now.terrain)
         asked = job.asked
         if answer is not None and asked is not None:
-            self._begin(answer, stance, 0.0, now.command)
+            self._begin(answer, stance, 0.0, now)
             job.refused = (asked.command, now.terrain)
 
     def count_held_back(self, now: Now) -> None:
@@ -67,17 +71,24 @@ class StepController:
             self._job.shake.want()
             self._state.rest(stance, keep_job=stance is stance.at_rest())
             return 0.0
-        return self._begin(answer, stance, left, now.command)
+        return self._begin(answer, stance, left, now)
 
-    def _begin(
-        self, answer: StepPlan | Blocked, stance: Stance, left: float, command: Command
-    ) -> float:
+    def _naming_the_bar(self, why: Blocked, now: Now) -> Blocked:
+        """A reason for which the body gets no farther, with what bars its way as the map has it."""
+        x, y, z, _, _, yaw = now.sensing.body
+        heading = yaw + now.command.crab_angle
+        bar = what_bars((x, y, z, yaw), heading, now.terrain, self._run.machine)
+        return replace(why, facts={**why.facts, "bar": bar or why.facts["bar"]})
+
+    def _begin(self, answer: StepPlan | Blocked, stance: Stance, left: float, now: Now) -> float:
         """The next step, or standing because there is none."""
         state, run = self._state, self._run
+        command = now.command
         if not command.holds:
             legs = len(answer.swing) if isinstance(answer, StepPlan) else 0
             state.setbacks.note_step(stance.body, command, legs)
-        answer = state.setbacks.why or answer
+        if state.setbacks.why is not None:
+            answer = self._naming_the_bar(state.setbacks.why, now)
         if isinstance(answer, Blocked):
             state.rest(stance)
             state.blocked = answer

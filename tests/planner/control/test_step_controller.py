@@ -1,5 +1,7 @@
 """One step after the other."""
 
+import pytest
+
 from tests.planner.control.plans import (
     AHEAD,
     FEET,
@@ -42,14 +44,37 @@ def test_what_was_refused_is_not_asked_again_until_command_or_map_changes():
     assert len(planner.asked) == 3
 
 
-def test_a_body_held_back_again_and_again_says_so():
+WALLED = GROUND.told((), {GROUND.cell_at(1.0, 0.0): 2.0})
+
+
+@pytest.mark.parametrize(
+    ("terrain", "bar"),
+    [
+        (GROUND, "as if something that no foot has felt were in its way"),
+        (WALLED, "what no leg can be lifted over stands 1.0 m before its middle, from"),
+    ],
+)
+def test_a_body_held_back_again_and_again_says_so_and_what_bars_its_way(terrain, bar):
     state, steps = walker(swing_plan(), config=configured({"tracking": {"held_max": 2}}))
     for _ in range(2):
-        steps.count_held_back(now(terrain=GROUND, body=(-0.03, 0.0, HEIGHT, 0.0, 0.0, 0.0)))
-    steps.start(now(terrain=GROUND))
+        steps.count_held_back(now(terrain=terrain, body=(-0.03, 0.0, HEIGHT, 0.0, 0.0, 0.0)))
+    steps.start(now(Command(0.0, 0.1), terrain))
     assert state.blocked is not None and state.blocked.reason is Reason.HELD_BACK
-    assert state.blocked.text == "the body is 30 mm behind its legs, again and again"
+    said = f"the body is 30 mm behind its legs, again and again: {bar}"
+    assert state.blocked.text.startswith(said)
     assert not state.job.planner.asked
+
+
+def test_steps_and_encounters_that_lead_nowhere_say_what_bars_the_way():
+    state, steps = walker(swing_plan())
+    for too_many in (Reason.MARKING_TIME, Reason.NO_PROGRESS):
+        facts = {"steps": 8, "times": 6, "bar": ""}
+        state.setbacks.why = Blocked(too_many, facts=facts)
+        state.setbacks.heed = lambda command: None
+        steps.start(now(Command(0.0, 0.1), WALLED))
+        assert state.blocked is not None and state.blocked.reason is too_many
+        assert "and got no farther: what no leg can be lifted over" in state.blocked.text
+        state.blocked = None
 
 
 def over(state):
