@@ -81,9 +81,13 @@ class ContactWorld:
         """The first thing standing higher than z on the straight way from a to b, None when it is
         free.
         """
+        begin = ax, ay
+        end = bx, by
+        if not self._near_foot.on_the_way(begin, begin, end, z):
+            return None
         hits = [
             hit
-            for hit in self._space.segment_query((ax, ay), (bx, by), 0.0, ANY)
+            for hit in self._space.segment_query(begin, end, 0.0, ANY)
             if self._tops_of(hit.shape) > z
         ]
         if not hits:
@@ -110,15 +114,18 @@ class ContactWorld:
         x, y, z, _, _, yaw = body
         if self._torso_hits(x, y, z - self.machine.torso[2] / 2, yaw):
             return -1
-        return next((leg for leg, foot in enumerate(feet) if self.leg_hits(leg, body, foot)), None)
+        for leg, foot in enumerate(feet):
+            if self.leg_hits(leg, body, foot):
+                return leg
+        return None
 
     def leg_hits(self, leg: int, body: Sequence[float], foot: Sequence[float]) -> bool:
         """True when something stands in the straight way from a leg's hip, at the height of the
         body, to its foot.
         """
         hip = placed((body[0], body[1], body[5]), *self._hips[leg])
-        low = min(body[2], foot[2]) + OVER - ASK
-        if not self._near_body.on_the_way(body, hip, foot, low):
+        low = body[2] if body[2] < foot[2] else foot[2]
+        if not self._near_body.on_the_way(body, hip, foot, low + OVER - ASK):
             return False
         hits = self._space.segment_query(hip, (foot[0], foot[1]), 0.0, ANY)
         return any(

@@ -75,15 +75,15 @@ class Nearby:
         bx, by = b[0], b[1]
         x, y = centre[0], centre[1]
         far = self.margin
-        near: Sequence[Enclosure]
-        if max(abs(ax - x), abs(bx - x), abs(ay - y), abs(by - y)) > far:
-            near = self._all
-        else:
-            near = self._patches.get((math.floor(x / PATCH), math.floor(y / PATCH)), ())
         if ax > bx:
             ax, bx = bx, ax
         if ay > by:
             ay, by = by, ay
+        near: Sequence[Enclosure]
+        if x - ax > far or bx - x > far or y - ay > far or by - y > far:
+            near = self._all
+        else:
+            near = self._patches.get((math.floor(x / PATCH), math.floor(y / PATCH)), ())
         for x_min, x_max, y_min, y_max, top in near:
             if (
                 top > low

@@ -66,6 +66,13 @@ def test_feet_legs_and_torso_meet_the_same_as_when_everything_is_asked_about(see
             bits = thorough.feel(*foot, body[5])
             met += bits > 0
             assert quick.feel(*foot, body[5]) == bits
+            way = (
+                *foot[:2],
+                *(at + rng.choice((0.01, 0.1, 1.0)) * rng.random() for at in foot[:2]),
+            )
+            touch = thorough.sweep(*way, foot[2])
+            met += touch is not None
+            assert quick.sweep(*way, foot[2]) == touch
     assert met > 100
 
 
@@ -80,6 +87,7 @@ def test_nothing_is_asked_of_pymunk_where_all_that_is_near_is_lower(monkeypatch)
     feet = [(x, y, 0.1) for x, y in ((0.4, 0.4), (-0.4, 0.4), (-0.4, -0.4), (0.4, -0.4))]
     assert world.bump((0.0, 0.0, 0.5, 0.0, 0.0, 0.3), feet) is None
     assert world.feel(0.4, 0.4, 0.1, 0.3) == 0
+    assert world.sweep(0.4, 0.4, 0.41, 0.4, 0.1) is None
     with pytest.raises(AssertionError, match="pymunk was asked"):
         world.feel(0.4, 0.4, 0.1 - 2 * OVER, 0.3)
 
