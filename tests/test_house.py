@@ -109,8 +109,10 @@ def nested_conditionals() -> Iterator[str]:
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 
-def functions() -> Iterator[tuple[Source, Function, list[ast.stmt], int]]:
+@cache
+def functions() -> list[tuple[Source, Function, list[ast.stmt], int]]:
     """Every function with its body after the docstring, and how many lines of code that is."""
+    found = []
     for source in product():
         for node in source.nodes:
             if not isinstance(node, Function):
@@ -119,7 +121,8 @@ def functions() -> Iterator[tuple[Source, Function, list[ast.stmt], int]]:
             if body:
                 inside = source.lines[body[0].lineno - 1 : body[-1].end_lineno]
                 code = [line for line in inside if line.strip() and line.strip()[0] != "#"]
-                yield source, node, body, len(code)
+                found.append((source, node, body, len(code)))
+    return found
 
 
 def function_lines_median() -> float:
@@ -213,8 +216,19 @@ def type_names(node: ast.stmt) -> list[str]:
 def calls(name: str) -> Iterator[str]:
     for source in product():
         for node in source.nodes:
-            if isinstance(node, ast.Call) and ast.unparse(node.func) == name:
+            if isinstance(node, ast.Call) and called(node) == name:
                 yield source.at(node)
+
+
+def called(call: ast.Call) -> str:
+    """What a call calls, ``name`` or ``module.name``; of anything longer the last name alone."""
+    function = call.func
+    if isinstance(function, ast.Name):
+        return function.id
+    if not isinstance(function, ast.Attribute):
+        return ""
+    owner = function.value
+    return f"{owner.id if isinstance(owner, ast.Name) else ''}.{function.attr}"
 
 
 def places_that_build_a_step_plan() -> Iterator[str]:
@@ -228,9 +242,9 @@ def cos_sin_pairs_outside_geometry() -> Iterator[str]:
             continue
         used: dict[tuple[int, str], set[str]] = defaultdict(set)
         for line, call in calls_with_function(source.tree, 0):
-            if ast.unparse(call.func) in ("math.cos", "math.sin", "np.cos", "np.sin"):
+            if called(call) in ("math.cos", "math.sin", "np.cos", "np.sin"):
                 angle = ast.unparse(call.args[0]) if call.args else ""
-                used[line, angle].add(ast.unparse(call.func)[-3:])
+                used[line, angle].add(called(call)[-3:])
         for (line, angle), both in used.items():
             if len(both) == 2:
                 yield f"{source.place}:{line} {angle}"
@@ -342,17 +356,20 @@ def asserting_functions() -> set[str]:
 
 
 def asserts(function: Function, asserting: set[str]) -> bool:
-    for node in ast.walk(function):
-        if isinstance(node, ast.Assert):
-            return True
-        if isinstance(node, ast.Call):
-            name = ast.unparse(node.func)
-            if name in ("pytest.raises", "pytest.warns", "pytest.fail"):
-                return True
-            last = name.rpartition(".")[2]
-            if last in asserting or last.startswith("assert"):
-                return True
-    return False
+    by_itself, names = what_it_does(function)
+    return by_itself or not names.isdisjoint(asserting)
+
+
+@cache
+def what_it_does(function: Function) -> tuple[bool, frozenset[str]]:
+    """Whether a function asserts by itself, and the names of what it calls."""
+    nodes = list(ast.walk(function))
+    calls = [called(node) for node in nodes if isinstance(node, ast.Call)]
+    names = frozenset(name.rpartition(".")[2] for name in calls)
+    by_itself = any(isinstance(node, ast.Assert) for node in nodes)
+    by_itself = by_itself or any(name.startswith("assert") for name in names)
+    by_pytest = {"pytest.raises", "pytest.warns", "pytest.fail"}
+    return by_itself or not by_pytest.isdisjoint(calls), names
 
 
 def public_names() -> list[str]:
@@ -437,6 +454,15 @@ def test_what_counts_as_a_bar_broken_is_seen() -> None:
     assert isinstance(kept, ast.ClassDef) and attributes_kept(kept) == {"x", "y"}
     told = plain("def test_it():\n    check(1)").tree.body[0]
     assert isinstance(told, Function) and asserts(told, {"check"}) and not asserts(told, set())
+    refused = plain("def test_it():\n    with pytest.raises(ValueError):\n        f()").tree.body[0]
+    assert isinstance(refused, Function) and asserts(refused, set())
+    turns = [node for node in plain("math.cos(a)\nself.x.sin(b)\nf()()").nodes]
+    assert [called(node) for node in turns if isinstance(node, ast.Call)] == [
+        "math.cos",
+        ".sin",
+        "",
+        "f",
+    ]
     assert neighbours(plain("from .gait import x\nfrom . import turning").tree) == {
         "gait",
         "turning",

@@ -9,6 +9,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 import pytest
@@ -177,13 +178,19 @@ def origin(node: ast.ImportFrom, module: str, is_package: bool) -> str:
     return ".".join(parts + ([node.module] if node.module else [])) if parts else ""
 
 
+@lru_cache(maxsize=1)
+def nodes_of(source: str) -> list[ast.AST]:
+    """Everything in a source, that of the module looked at last read once."""
+    return list(ast.walk(ast.parse(source)))
+
+
 def imports(
     source: str, module: str, known: frozenset[str], is_package: bool = False
 ) -> Iterator[tuple[int, str]]:
     """Line and absolute name of everything the source imports; '?' for a name that only running it
     would tell.
     """
-    for node in ast.walk(ast.parse(source)):
+    for node in nodes_of(source):
         if isinstance(node, ast.Import):
             yield from ((node.lineno, alias.name) for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -208,7 +215,7 @@ def own_chance(source: str) -> Iterator[int]:
     """Lines that make random numbers by numpy instead of taking a Generator; naming its type is no
     chance.
     """
-    for node in ast.walk(ast.parse(source)):
+    for node in nodes_of(source):
         if isinstance(node, ast.Call) and dotted(node.func).startswith(
             ("np.random.", "numpy.random.")
         ):

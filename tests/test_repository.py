@@ -9,6 +9,7 @@ import sys
 import tarfile
 import tomllib
 import zipfile
+from functools import cache
 from importlib.metadata import distribution
 from pathlib import Path
 
@@ -47,25 +48,31 @@ def repository_files() -> list[Path]:
     return sorted(path for path in files if path.is_file())
 
 
-def text_lines() -> list[tuple[str, str]]:
-    """Place and line of every text file in the repository."""
-    lines = []
+@cache
+def texts() -> list[tuple[str, str]]:
+    """Place and content of every text file in the repository."""
+    found = []
     for path in repository_files():
         content = path.read_bytes()
         if b"\0" not in content[:4096]:
-            place = path.relative_to(ROOT).as_posix()
-            lines += [
-                (f"{place}:{n}", line)
-                for n, line in enumerate(content.decode("utf-8").splitlines(), 1)
-            ]
-    return lines
+            found.append((path.relative_to(ROOT).as_posix(), content.decode("utf-8")))
+    return found
+
+
+def lines_with(pattern: re.Pattern[str]) -> list[str]:
+    """Place and beginning of every line of a text file in which there is such a thing."""
+    return [
+        f"{place}:{number}: {line[:120]}"
+        for place, text in texts()
+        if pattern.search(text)
+        for number, line in enumerate(text.splitlines(), 1)
+        if pattern.search(line)
+    ]
 
 
 def test_no_file_names_a_folder_of_somebodys_machine() -> None:
     machine_path = re.compile(r"(?<![\w.\-/])(/(?:home|Users|work)/\w|/root/\.)|[A-Z]:\\Users")
-    assert [
-        f"{place}: {line[:120]}" for place, line in text_lines() if machine_path.search(line)
-    ] == []
+    assert lines_with(machine_path) == []
 
 
 def test_no_file_names_a_package_registry() -> None:
@@ -73,11 +80,9 @@ def test_no_file_names_a_package_registry() -> None:
         r"pypi\.org|pythonhosted\.org|npmjs\.(?:org|com)|deb\.debian\.org|--(?:extra-)?index-url|--find-links"
     )
     here = "tests/test_repository.py:"
-    assert [
-        f"{place}: {line[:120]}"
-        for place, line in text_lines()
-        if registry.search(line) and not place.startswith(here)
-    ] == []
+    named = lines_with(registry)
+    assert [line for line in named if not line.startswith(here)] == []
+    assert named  # the pattern itself
 
 
 IMPORTED_AS = {"pillow": "PIL", "pypng": "png"}

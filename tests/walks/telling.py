@@ -5,7 +5,9 @@ what must always be true.
 from __future__ import annotations
 
 import json
+import tempfile
 from dataclasses import dataclass
+from hashlib import blake2b
 from pathlib import Path
 from typing import Any
 
@@ -62,7 +64,42 @@ class Walked:
 
 def walked(folder: Path, scenario: str, *settings: str) -> Walked:
     """Run ``scenario`` with ``--set`` settings and read the run directory back."""
-    summary = run_scenario(load_scenario(scenario, settings), folder)
+    run_scenario(load_scenario(scenario, settings), folder)
+    return read_back(folder)
+
+
+class SharedWalks:
+    """Walks of scenarios that more than one test looks at, each in a directory of ``folder``."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        folder.mkdir(exist_ok=True)
+
+    def walked(self, scenario: str, *settings: str) -> Walked:
+        """As ``walked``, but of what has been walked before only the run directory is read."""
+        return read_back(self.directory(scenario, *settings))
+
+    def directory(self, scenario: str, *settings: str) -> Path:
+        """Its run directory, to be read only. It is there whole or not at all: of two processes
+        that walk the same at once the second is too late.
+        """
+        wanted = load_scenario(scenario, settings)
+        key = blake2b(json.dumps(wanted.as_data(), sort_keys=True).encode(), digest_size=16)
+        run = self.folder / key.hexdigest()
+        if not run.exists():
+            beside = Path(tempfile.mkdtemp(dir=self.folder))
+            run_scenario(wanted, beside)
+            try:
+                beside.rename(run)
+            except OSError:
+                if not run.exists():
+                    raise
+        return run
+
+
+def read_back(folder: Path) -> Walked:
+    """What a run directory says of its walk."""
+    summary = json.loads((folder / "run.json").read_text("utf-8"))
     with (
         np.load(folder / "ticks.npz", allow_pickle=False) as log,
         np.load(folder / "terrain.npz", allow_pickle=False) as ground,

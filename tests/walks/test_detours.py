@@ -33,8 +33,8 @@ def walk_on(console, ticks, command=AHEAD):
         assert console.mode not in (Mode.TIPPING, Mode.FALLEN), console.reason
 
 
-def test_it_goes_round_both_holes_and_comes_back_to_the_line(tmp_path):
-    walk = walked(tmp_path, "fig14")
+def test_it_goes_round_both_holes_and_comes_back_to_the_line(shared):
+    walk = shared.walked("fig14")
     assert_always_true(walk)
     x, y = walk.log["body"][:, 0], walk.log["body"][:, 1]
     assert np.abs(y[np.abs(x - 3.05) < 0.3]).min() > 1.0  # beside the first hole
@@ -60,11 +60,10 @@ def test_a_hole_across_the_whole_map_is_not_gone_round():
     assert console.mode is Mode.BLOCKED and "no way round within 2 m" in console.reason
 
 
-def test_scattered_holes_do_not_change_the_course(tmp_path):
+def test_scattered_holes_do_not_change_the_course(shared):
     courses = {}
     for body in ("straight", "sway"):
-        (tmp_path / body).mkdir()
-        walk = walked(tmp_path / body, "holes", f'gait.body="{body}"')
+        walk = shared.walked("holes", f'gait.body="{body}"')
         courses[body] = {step["crab_angle"] for step in walk.steps}
         # the reference never leaves the line; a body sways beside it by 50 mm at most
         aside = 1e-6 if body == "straight" else 0.05

@@ -3,6 +3,7 @@ and each drawn.
 """
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -37,16 +38,9 @@ STANDARD = 0.05  # of λ*, the tolerance of H fig. 9
 
 
 @pytest.fixture(scope="module")
-def told(tmp_path_factory):
-    """Every figure scenario, walked once."""
-    walks = {}
-
-    def tell(name):
-        if name not in walks:
-            walks[name] = walked(tmp_path_factory.mktemp(name), name)
-        return walks[name]
-
-    return tell
+def told(shared):
+    """Every figure scenario, walked and read once."""
+    return cache(shared.walked)
 
 
 def standard_from(walk):
@@ -199,7 +193,7 @@ def test_every_direction_ends_in_its_own_standard_gait(told):
 
 
 @pytest.mark.parametrize("name", [name for name in NAMES if name != "fig16"])
-def test_the_figure_is_drawn_from_its_run_directory(tmp_path, name):
+def test_the_figure_is_drawn_from_its_run_directory(shared, tmp_path, name):
     pytest.importorskip("matplotlib")
     recipe = next(iter(FIGURES[name].walks.values()))
     settings = (
@@ -207,7 +201,7 @@ def test_the_figure_is_drawn_from_its_run_directory(tmp_path, name):
         if name in ("omni", "fig14")
         else recipe.settings
     )
-    run_directory = walk_recipe(Recipe(recipe.scenario, settings), tmp_path / "run")
+    run_directory = shared.directory(recipe.scenario, *settings)
     lines = draw_figure(name, tmp_path / "figure.svg", run_directory)
     drawn = (tmp_path / "figure.svg").read_text("utf-8")
     assert FIGURES[name].title in drawn and len(drawn) > 20_000

@@ -70,8 +70,8 @@ def off(console: Simulation) -> float:
 # whole walks
 
 
-def test_a_walk_with_a_rest_in_it_on_rough_ground(tmp_path):
-    walk = walked(tmp_path, "postures")
+def test_a_walk_with_a_rest_in_it_on_rough_ground(shared):
+    walk = shared.walked("postures")
     assert_always_true(walk)
     assert succeeded(walk.summary), walk.summary["expect"]
     modes = {name: number for name, number in walk.summary["modes"].items()}
@@ -82,7 +82,7 @@ def test_a_walk_with_a_rest_in_it_on_rough_ground(tmp_path):
     ]
     told = ("sit_down", "sit", "stand_up", "regroup", "sit_down", "sit", "stand_up")
     assert order == [modes[name] for name in told]
-    assert replay(tmp_path)["equal"]
+    assert replay(shared.directory("postures"))["equal"]
 
 
 def test_six_legs_rest_the_same_way(tmp_path):

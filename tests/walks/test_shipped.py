@@ -7,14 +7,14 @@ import pytest
 from walking_console.sim.runs.runner import succeeded
 from walking_console.sim.scenario_files import load_scenario, scenario_names
 
-from .telling import assert_always_true, walked
+from .telling import SharedWalks, assert_always_true
 
 CRAB = [name for name in scenario_names() if load_scenario(name).planner == "crab"]
 
 
 @pytest.mark.parametrize("name", CRAB)
-def test_the_scenario_keeps_what_its_file_expects(tmp_path, name):
-    walk = walked(tmp_path, name)
+def test_the_scenario_keeps_what_its_file_expects(shared: SharedWalks, name: str) -> None:
+    walk = shared.walked(name)
     assert_always_true(walk)
     assert succeeded(walk.summary), (
         walk.summary["result"],
@@ -23,8 +23,8 @@ def test_the_scenario_keeps_what_its_file_expects(tmp_path, name):
     )
 
 
-def test_dem_is_a_walk_over_real_relief_in_three_directions(tmp_path):
-    walk = walked(tmp_path, "dem")
+def test_dem_is_a_walk_over_real_relief_in_three_directions(shared: SharedWalks) -> None:
+    walk = shared.walked("dem")
     assert walk.summary["distance"] >= 15.0
     assert len({round(angle, 6) for angle in walk.log["command"][:, 0]}) >= 3
     stood = walk.log["feet"][..., 2][walk.log["contact"]]

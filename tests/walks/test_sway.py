@@ -88,8 +88,8 @@ def touch_speeds(walk):
 
 
 @pytest.mark.parametrize("name", ["flat", "rough", "stairs-up", "tripod"])
-def test_feet_come_down_softly_on_known_ground_and_the_body_has_no_jumps(tmp_path, name):
-    walk = walked(tmp_path, name, 'gait.body="sway"')
+def test_feet_come_down_softly_on_known_ground_and_the_body_has_no_jumps(shared, name):
+    walk = shared.walked(name, 'gait.body="sway"')
     assert all(expected["pass"] for expected in walk.summary["expect"].values())
     assert touch_speeds(walk).max() <= 0.15
     assert over_allowed(walk).max() <= 1.0 and acceleration(walk.log).max() <= BRISK

@@ -66,16 +66,16 @@ def test_it_goes_round_circles_on_broken_ground(tmp_path, radius, degrees, seed,
     assert abs(turned(walk)) >= 340.0 * share
 
 
-def test_it_closes_the_circle_it_was_told_to_walk(tmp_path):
-    walk = walked(tmp_path, "circle")
+def test_it_closes_the_circle_it_was_told_to_walk(shared):
+    walk = shared.walked("circle")
     assert_always_true(walk)
     assert all(entry["pass"] for entry in walk.summary["expect"].values())
     places = walk.log["body"][:, :2]
     assert np.hypot(places[:, 0], places[:, 1] - 2.0) == pytest.approx(2.0, abs=0.2)
 
 
-def test_after_turning_both_ways_it_is_back_in_the_standard_gait(tmp_path):
-    walk = walked(tmp_path, "spot-turn")
+def test_after_turning_both_ways_it_is_back_in_the_standard_gait(shared):
+    walk = shared.walked("spot-turn")
     assert_always_true(walk)
     assert all(entry["pass"] for entry in walk.summary["expect"].values())
 
