@@ -6,6 +6,7 @@ PY := $(VENV)/bin/python
 PIP := $(PY) -m pip --disable-pip-version-check install --quiet
 
 ARGS ?=# more options for walking-console, e.g. make run ARGS="--port 9000"
+BROWSER_TESTS = tests/web# where they all are, so that no others are read for them
 PYTEST_ARGS ?=# more options for pytest, e.g. make test PYTEST_ARGS="-k layers"
 JOBS ?= logical# processes the tests run in, but those in a browser: theirs come after, one by one
 
@@ -40,7 +41,7 @@ test: $(VENV)/.installed-for-tests
 	$(PY) -m mypy
 	@$(MAKE) --no-print-directory lint-page
 	$(PY) -m pytest -n $(JOBS) --dist worksteal -m "not browser" $(PYTEST_ARGS)
-	@$(PY) -m pytest -m browser $(PYTEST_ARGS) || [ $$? = 5 ]
+	@$(PY) -m pytest -m browser $(BROWSER_TESTS) $(PYTEST_ARGS) || [ $$? = 5 ]
 
 # Every other Python gets an environment of its own, .venv-3.12 and so on; the recorded walks are the first thing it has to repeat.
 PYTHONS ?= python3.12 python3.13
@@ -53,7 +54,7 @@ test-pythons:
 		.venv-$$version/bin/python -m tests.corpus.walks check || exit 1; \
 		.venv-$$version/bin/python -m pytest -p no:cacheprovider --ignore=tests/walks/test_corpus.py \
 			-n $(JOBS) --dist worksteal -m "not browser" $(PYTEST_ARGS) || exit 1; \
-		.venv-$$version/bin/python -m pytest -p no:cacheprovider -m browser $(PYTEST_ARGS) || [ $$? = 5 ] || exit 1; \
+		.venv-$$version/bin/python -m pytest -p no:cacheprovider -m browser $(BROWSER_TESTS) $(PYTEST_ARGS) || [ $$? = 5 ] || exit 1; \
 	done
 
 # The scripts of the page: eslint, and their JSDoc types by tsc. Node 20 or newer with npm does it; it is needed for nothing else.

@@ -235,6 +235,19 @@ def test_the_readme_names_targets_that_make_knows() -> None:
     assert set(re.findall(r"\bmake ([a-z-]+)\b", README)) <= targets
 
 
+def test_all_tests_in_a_browser_are_where_make_looks_for_them() -> None:
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    named = re.search(r"^BROWSER_TESTS = ([\w/]+)", makefile, flags=re.MULTILINE)
+    marks = re.compile(r"\bIN_A_(?:BROWSER)\b|\bpytest\.mark\.browser\b")
+    marked = {
+        path.relative_to(ROOT).as_posix()
+        for path in (ROOT / "tests").rglob("test_*.py")
+        if marks.search(path.read_text(encoding="utf-8"))
+    }
+    assert named is not None and len(marked) >= 5
+    assert [place for place in marked if not place.startswith(f"{named[1]}/")] == []
+
+
 def test_the_readme_names_commands_that_exist() -> None:
     shown = subprocess.run(
         [sys.executable, "-m", "walking_console", "--help"],
