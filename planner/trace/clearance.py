@@ -5,6 +5,7 @@ surface"). On most ground nothing does, and this costs nothing.
 from __future__ import annotations
 
 import math
+from functools import reduce
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,9 @@ from numpy.typing import NDArray
 from ..geometry.transforms import directions
 from ..motion.swing import CLEARANCE
 from ..robot.model import Machine
+from ..terrain.grid import Window, joined
 from ..terrain.map import TerrainMap
+from ..types import Array
 from .footholds import Foothold, within_reach
 from .lane import Lane
 from .samples import SampleGrid, bits_of, first_bit
@@ -94,22 +97,40 @@ class Clearance:
         rectangle = self.machine.legs[leg]
         aside = float(np.hypot(lane.x - lane.x[0], lane.y - lane.y[0]).max())
         aside += self.machine.foot_radius
-        flags = np.zeros(self.samples.count, dtype=bool)
-        for begin in range(0, self.samples.count, STRIDE):
-            part = slice(begin, begin + STRIDE)
-            x = lane.x[0, part]
-            y = lane.y[0, part]
-            c, d = directions(lane.yaw[part])
-            px = [x + c * bx - d * by for bx in rectangle.x for by in rectangle.y]
-            py = [y + d * bx + c * by for bx in rectangle.x for by in rectangle.y]
-            top = self.terrain.crest_in(
-                float(np.min(px)) - aside,
-                float(np.max(px)) + aside,
-                float(np.min(py)) - aside,
-                float(np.max(py)) + aside,
+        x, y = lane.x[0], lane.y[0]
+        c, d = directions(lane.yaw)
+        px = np.array([x + c * bx - d * by for bx in rectangle.x for by in rectangle.y])
+        py = np.array([y + d * bx + c * by for bx in rectangle.x for by in rectangle.y])
+        parts = np.arange(0, self.samples.count, STRIDE)
+        low, high = (
+            [bound.reduceat(bound.reduce(p, axis=0), parts).tolist() for p in (px, py)]
+            for bound in (np.minimum, np.maximum)
+        )
+        windows = [
+            self.terrain.window(x0 - aside, x1 + aside, y0 - aside, y1 + aside)
+            for x0, x1, y0, y1 in zip(low[0], high[0], low[1], high[1], strict=True)
+        ]
+        limits = np.minimum.reduceat(lane.z, parts) + self._ceiling(leg)
+        free = ~self._has_above(windows, limits)
+        return self.samples.in_all_rows(bits_of(np.repeat(free, STRIDE)[: self.samples.count]))
+
+    def _has_above(self, windows: list[Window], limits: Array) -> NDArray[np.bool_]:
+        """Which of some windows of the map have ground above their limit, m."""
+        around = reduce(joined, windows)
+        heights = self.terrain.heights[around]
+        rows, columns = np.nonzero(heights > limits.min())
+        heights = heights[rows, columns]
+        rows += around[0].start
+        columns += around[1].start
+        first_row, end_row, first_column, end_column = (
+            np.array(bounds)[:, None]
+            for bounds in zip(
+                *((r.start, r.stop, c.start, c.stop) for r, c in windows), strict=True
             )
-            flags[part] = top <= float(lane.z[part].min()) + self._ceiling(leg)
-        return self.samples.in_all_rows(bits_of(flags))
+        )
+        inside = (rows >= first_row) & (rows < end_row)
+        inside &= (columns >= first_column) & (columns < end_column)
+        return np.asarray((inside & (heights > limits[:, None])).any(axis=1))
 
 
 def torso_clear(lane: Lane, terrain: TerrainMap, machine: Machine) -> NDArray[np.bool_]:

@@ -3,6 +3,7 @@
 import numpy as np
 
 from tests.planner.trace.rollout import gait_of
+from walking_console.planner.motion.swing import CLEARANCE
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.trace.clearance import Clearance
@@ -74,3 +75,34 @@ def test_the_machine_is_taken_where_it_is() -> None:
     block.accept([0], 0)
     assert block.torso_room & 1
     assert block.room(0) & 1
+
+
+def test_a_leg_has_room_where_its_rectangle_and_what_is_beside_it_meet_nothing_too_tall() -> None:
+    """Turning and climbing among many posts, in three rows; held against the whole rectangle of
+    every sample.
+    """
+    rng = np.random.default_rng(3)
+    heights = np.where(rng.random((160, 160)) < 0.004, rng.random((160, 160)), 0.0)
+    heights[rng.random((160, 160)) < 0.1] = np.nan
+    terrain = TerrainMap(heights, heights != 0.0, 0.05, (-4.0, -4.0), HEXAPOD.foot_radius)
+    along = np.linspace(-1.0, 1.0, COUNT)
+    rows = np.array([[0.0], [0.05], [-0.05]])
+    climb = HEIGHT + 0.2 * along
+    lane = Lane(along + 0.0 * rows, 0.3 * along**2 + rows, 2.0 * along, climb)
+    tall = Clearance(lane, SampleGrid(3, COUNT), terrain, HEXAPOD)
+    some = 0
+    for leg, spec in enumerate(HEXAPOD.legs):
+        room = tall.samples.row_of(tall.room(leg), 0)
+        some += room.bit_count()
+        for k in range(COUNT):
+            c, d = np.cos(lane.yaw[k]), np.sin(lane.yaw[k])
+            corners = [(bx, by) for bx in spec.x for by in spec.y]
+            px = [lane.x[0, k] + c * bx - d * by for bx, by in corners]
+            py = [lane.y[0, k] + d * bx + c * by for bx, by in corners]
+            aside = 0.05 + HEXAPOD.foot_radius
+            top = terrain.crest_in(
+                min(px) - aside, max(px) + aside, min(py) - aside, max(py) + aside
+            )
+            if room >> k & 1:
+                assert top <= climb[k] + spec.z[1] + HEXAPOD.overreach[2] - CLEARANCE
+    assert 0 < some < 6 * COUNT
