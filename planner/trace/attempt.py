@@ -143,6 +143,8 @@ class Attempt:
             # plenty of ground everywhere: what stops it is an edge, and going beside does not help
             count = count_dense
         reachable = Reachability(lane, terrain, self.machine, thin=thin, margin=self.manner.margin)
+        if self.moves and reachable.clearance.leads_to(course.start) <= self.path.farthest:
+            return self.path.complete
         for leg in range(len(self.machine.legs)):
             yield None
             yield from reachable.finding(leg)

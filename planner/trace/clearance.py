@@ -85,6 +85,11 @@ class Clearance:
             mask = self._room[leg] = self._room_over_rectangle(leg)
         return mask
 
+    def leads_to(self, sample: int) -> int:
+        """The last sample of the trace that the torso gets to from this one and touches nothing."""
+        room = self.torso_room | 1 << sample
+        return self.samples.farthest(self.samples.unbroken(room, sample))
+
     def accept(self, legs: list[int], sample: int) -> None:
         """Take the machine as it is: its torso and these legs in the air have room at a sample."""
         self.torso_room |= 1 << sample

@@ -84,14 +84,16 @@ def search(
     """
     met = _Met(reachable, change_cost)
     met.enter(start, None)
+    most = min(goal, reachable.clearance.leads_to(start.at))
+    if most < goal and whole_only:
+        return met.path(most, False)
     if change_cost == 0.0:
-        yield from _in_order(met, start, goal, limit)
+        yield from _in_order(met, start, most, limit)
     heap = met.heap
     paused = 0
-    most = goal
     while heap and met.farthest < most and met.count < limit:
         if met.is_stuck():
-            most = yield from _at_most(met, start, goal)
+            most = yield from _at_most(met, start, most)
             if most < goal and whole_only:
                 break
         value, _, state, place = heappop(heap)
@@ -112,10 +114,10 @@ def search(
     return met.path(most, met.farthest >= goal)
 
 
-def _at_most(met: _Met, start: SupportState, goal: int) -> Generator[Weight, None, int]:
-    """How far any way can lead: the goal, where nothing else is known."""
+def _at_most(met: _Met, start: SupportState, most: int) -> Generator[Weight, None, int]:
+    """How far any way can lead, of which ``most`` is known."""
     bound = yield from farthest_possible(met.reachable, start.at, met.farthest)
-    return goal if bound is None else bound
+    return most if bound is None else min(most, bound)
 
 
 class _Met:
@@ -353,10 +355,11 @@ def search_rigid(
     """
     met = _Met(reachable)
     met.enter(start, None)
+    most = min(goal, reachable.clearance.leads_to(start.at))
     phase: dict[StateKey, int] = {(start.feet, met.place_of(start)): 0}
     heap = met.heap
     paused = 0
-    while heap and met.farthest < goal and met.count < limit:
+    while heap and met.farthest < most and met.count < limit:
         _, _, state, place = heappop(heap)
         key = (state.feet, place)
         group = groups[phase[key] % len(groups)]
@@ -368,7 +371,7 @@ def search_rigid(
                 paused = 0
                 yield PAUSE_WEIGHT_RIGID
         yield 2
-    return met.path(goal, met.farthest >= goal)
+    return met.path(most, met.farthest >= goal)
 
 
 def moved_together(

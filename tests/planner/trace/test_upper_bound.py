@@ -11,6 +11,7 @@ from walking_console.planner.initial_stance import Placement, square_stance
 from walking_console.planner.protocols import run_to_completion
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.trace import state_search
+from walking_console.planner.trace.clearance import Clearance
 from walking_console.planner.trace.lane import Lane
 from walking_console.planner.trace.paths import trace_for
 from walking_console.planner.trace.prediction import Prediction, predicting
@@ -58,6 +59,27 @@ def test_beside_the_trace_rows_are_joined() -> None:
     for aside in ASIDE:
         alone, start = field_beside(terrain, (aside,))
         assert run_to_completion(search(alone, start, 320, 40_000)).farthest < 320
+
+
+def test_where_the_torso_is_barred_the_search_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A wall across the trace: the way up to it is the same as of a search that looks on."""
+    thin = field_of(0.06, 1, HEXAPOD)
+    heights = np.zeros(thin.forbidden.shape)
+    heights[:, 100:102] = 0.8  # from x = 2.0 m on
+    walled = TerrainMap(heights, thin.forbidden | (heights > 0.0), thin.cell, thin.origin)
+    reachable, start = field_on_trace(walled, 320)
+    barred = reachable.clearance.leads_to(0)
+    assert 0 < barred < 200
+    early = run_to_completion(search(reachable, start, 320, 2000))
+    vain = run_to_completion(search(reachable, start, 320, 2000, whole_only=True))
+    assert (vain.looked, vain.most, vain.complete) == (1, barred, False)
+    monkeypatch.setattr(Clearance, "leads_to", lambda *_: 320)
+    monkeypatch.setattr(state_search, "farthest_possible", nothing_known)
+    late = run_to_completion(search(reachable, start, 320, 2000))
+    assert early.states == late.states
+    assert early.farthest == late.farthest == barred
+    assert early.exhausted
+    assert early.looked < 200 < late.looked
 
 
 @pytest.mark.parametrize("seed", (0, 9, 11))
