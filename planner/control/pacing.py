@@ -75,19 +75,20 @@ def _in_reach(run: Execution, pace: float) -> float:
     return min(max(pace, run.pace - slower), run.pace + faster)
 
 
-def braking_now(run: Execution, sensing: Sensing) -> Braking | None:
-    """The body's way to rest from where it is; None when it stands or stops dead: as printed, or
-    because it is held back.
+def braking_now(run: Execution, sensing: Sensing, nearest: bool = False) -> Braking | None:
+    """The body's way to rest from where it is, by what the ``nearest`` edge allows or those ahead;
+    None when it stands or stops dead: as printed, or because it is held back.
     """
     if run.held_back(sensing):
         return None
-    return _braking_at(run, sensing.body[0], sensing.body[1], run.carrying(standing=False))
+    footing = _footing(run, run.carrying(standing=False), nearest)
+    return _braking_at(run, sensing.body[0], sensing.body[1], footing)
 
 
 def braking_from(run: Execution, stance: Stance) -> Braking | None:
     """The same from where the body came out at the end of the plan."""
     carrying = [leg not in stance.lifted for leg in range(len(stance.feet))]
-    return _braking_at(run, stance.place[0], stance.place[1], carrying)
+    return _braking_at(run, stance.place[0], stance.place[1], _footing(run, carrying))
 
 
 def lands_first(run: Execution, way: Braking | None) -> bool:
@@ -102,10 +103,9 @@ def lands_first(run: Execution, way: Braking | None) -> bool:
     return left <= SOON and (not way.safe or stopped < way.seconds - TICK)
 
 
-def _braking_at(run: Execution, x: float, y: float, carrying: Sequence[bool]) -> Braking | None:
+def _braking_at(run: Execution, x: float, y: float, footing: CarryingFeet) -> Braking | None:
     if not run.gait.sways:
         return None
-    footing = _footing(run, carrying)
     way = braking(run.tracker, run.t, run.pace, footing, run.machine.yaw_length)
     if way is None:
         return None
@@ -116,7 +116,7 @@ def _braking_at(run: Execution, x: float, y: float, carrying: Sequence[bool]) ->
     return way if near else way.moved(dx, dy, lean[0] * dx + lean[1] * dy)
 
 
-def _footing(run: Execution, carrying: Sequence[bool]) -> CarryingFeet:
+def _footing(run: Execution, carrying: Sequence[bool], nearest: bool = False) -> CarryingFeet:
     """What carries the body where the plan has it."""
     body = run.tracker.body_at(run.t)
     feet = [run.tracker.foot_at(leg, run.t) for leg in range(len(carrying))]
@@ -125,4 +125,5 @@ def _footing(run: Execution, carrying: Sequence[bool]) -> CarryingFeet:
         polygon,
         centre_over(run.machine, body, feet, run.tracker.lean_at(run.t)),
         bounds_of(run.stance, run.gait),
+        nearest,
     )

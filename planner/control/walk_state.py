@@ -99,11 +99,13 @@ class WalkState:
         remembered = run.remembered(now.sensing, cut_short, lifted)
         self.rest(run.actual(now.sensing, remembered))
 
-    def brought_to_rest(self, now: Now) -> Stance:
-        """The stance as it will be once the body stands; what is played next slows it down."""
+    def brought_to_rest(self, now: Now, at_once: bool = False) -> Stance:
+        """The stance as it will be once the body stands; what is played next slows it down, by what
+        the nearest edge allows unless it is to stop ``at_once``, by what those ahead do.
+        """
         run = self.run
         here = run.actual(now.sensing, run.plan.end)
-        self._braking = braking_now(run, now.sensing)
+        self._braking = braking_now(run, now.sensing, nearest=not at_once)
         return here if self._braking is None else self._braking.rest_of(here)
 
     def stop(self, now: Now) -> None:
@@ -113,7 +115,7 @@ class WalkState:
         """
         run = self.run
         airborne = [leg for leg in run.in_the_air() if not now.sensing.soles[leg]]
-        here = self.brought_to_rest(now)
+        here = self.brought_to_rest(now, at_once=True)
         if airborne and lands_first(run, self._braking):
             self._braking = None
             return

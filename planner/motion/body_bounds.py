@@ -7,6 +7,7 @@ that carry: on a margin m by g·m/h and no faster. Metres, seconds, absolute fra
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 from ..geometry.polygons import Polygon
@@ -18,6 +19,7 @@ from .body_path import OFFSET_MAX, edges_across
 RESERVE = 0.005  # m of margin that slowing down leaves; less: see the machine rock as it stops
 BRISK = 0.5  # m/s², most of a body that walks; more: see it rock on legs that give
 STEEPEST = 1.0  # m/s², most to slow down by; more: see a body jerk that is nowhere near an edge
+SHRINKS = 0.95  # of a margin that a body still has at the end of a tick in which it slows down
 PARALLEL = 1e-6  # an edge that a way nears by less of its length lies along it
 LOWEST = 0.05  # m; a body nearer to the ground counts as so high
 FARTHEST = 10.0  # m; room without an edge ahead
@@ -62,6 +64,7 @@ class CarryingFeet(NamedTuple):
     polygon: Polygon  # of the feet that carry meanwhile
     centre: XY  # of gravity from the body, m
     bounds: Bounds
+    nearest: bool = False  # g·margin/height of the nearest edge is not to be exceeded
 
     def margin(self, place: XY) -> float:
         """How far inside of them the centre of gravity and the body's origin, which planners go by,
@@ -74,7 +77,8 @@ class CarryingFeet(NamedTuple):
 
     def slowing(self, place: XY, ahead: XY, bends: XY = (0.0, 0.0)) -> float:
         """The most the body may slow down there, m/s², while its way bends by ``bends``, m/s²; the
-        zero-moment point stays ``RESERVE`` inside. Not positive where it cannot.
+        zero-moment point stays ``RESERVE`` inside, and where ``nearest`` is asked for no farther
+        from the centre of gravity than the nearest edge. Not positive where it cannot.
 
         ``ahead`` is the body's velocity over its speed, in which its turning counts too.
         """
@@ -84,9 +88,14 @@ class CarryingFeet(NamedTuple):
         if len(self.polygon) < 3:
             return 0.0
         lever = bounds.height / GRAVITY
-        x = place[0] + self.centre[0] - lever * bends[0]
-        y = place[1] + self.centre[1] - lever * bends[1]
+        x = place[0] + self.centre[0]
+        y = place[1] + self.centre[1]
         most = STEEPEST
+        if self.nearest:
+            margin = polygon_margin(self.polygon, x, y)
+            most = min(most, SHRINKS * margin / lever - math.hypot(*bends))
+        x -= lever * bends[0]
+        y -= lever * bends[1]
         for depth, rate in edges_across(self.polygon, x, y, ahead):
             if rate < -PARALLEL:
                 most = min(most, (RESERVE - depth) / (lever * rate))

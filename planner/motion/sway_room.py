@@ -56,13 +56,11 @@ class SwayRoom:
 
     def offsets(self, body: Body, side: XY, feet: StandingFeet, lean: Lean = LEVEL) -> XY:
         """The offsets of the body along the unit vector ``side`` at which every foot that stands is
-        within its leg's mechanical reach, and which lead past nothing tall. Of a body that leans,
-        on a slope, only the reach is looked at.
+        within its leg's mechanical reach, and which lead past nothing tall. No body is led off its
+        reference for the sake of its reach alone: see it stand beside its support where sensors
+        scatter. Of a body that leans, on a slope, only the reach is looked at.
         """
         low, high = self._in_reach(body, side, feet, lean)
-        if low > high:
-            middle = min(max((low + high) / 2.0, -OFFSET_MAX), OFFSET_MAX)
-            return middle, middle
         if self._tall is None or lean != LEVEL:
             return low, high
         return self._clear(body, side, feet, (low, high))
@@ -86,7 +84,7 @@ class SwayRoom:
                     ends = (place - end - over + SAFE) / rate, (place - begin + over - SAFE) / rate
                     low = max(low, min(ends))
                     high = min(high, max(ends))
-        return low, high
+        return min(low, 0.0), max(high, 0.0)
 
     def _clear(self, body: Body, side: XY, feet: StandingFeet, bounds: XY) -> XY:
         """Of some offsets those that are reached from the least of them past nothing tall; all of

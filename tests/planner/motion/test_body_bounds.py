@@ -1,5 +1,7 @@
 """How fast a body may slow down: as its zero-moment point has room in the support."""
 
+import math
+
 import pytest
 
 from walking_console.planner.motion.body_bounds import (
@@ -53,6 +55,14 @@ def test_on_a_support_it_slows_down_until_its_zero_moment_point_is_at_the_reserv
     assert support.slowing((0.1, 0.2), (1.0, 0.0)) == STEEPEST
     assert support.slowing((0.4, 0.2), (1.0, 0.0)) < 0.0
     assert CarryingFeet((), (0.0, 0.0), BOUNDS).slowing((0.0, 0.0), (1.0, 0.0)) == 0.0
+
+
+def test_where_the_nearest_edge_counts_it_slows_down_by_what_the_margin_allows_at_most():
+    beside = CarryingFeet(SQUARE, (0.0, 0.0), BOUNDS, nearest=True)
+    for place, bends in (((0.2, 0.03), (0.0, 0.0)), ((0.2, 0.03), (0.0, 0.1))):
+        slowed = beside.slowing(place, (1.0, 0.0), bends)
+        assert 0.0 < slowed + math.hypot(*bends) <= 9.81 * 0.03 / 0.85
+        assert slowed < beside._replace(nearest=False).slowing(place, (1.0, 0.0), bends)
 
 
 def test_a_way_that_bends_takes_of_what_is_left_for_slowing_down():

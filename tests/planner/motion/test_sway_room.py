@@ -42,6 +42,14 @@ def test_on_open_ground_only_reach_bounds_the_sway():
     )
 
 
+def test_a_foot_beyond_its_reach_leads_the_body_nowhere_but_may_be_neared():
+    room = SwayRoom(TITAN)
+    for far, low, high in ((0.72, 0.0, OFFSET_MAX), (0.24, -OFFSET_MAX, 0.0)):
+        feet = ((0.45, far, 0.0), (-0.45, 0.45, 0.0), *FEET[2:])
+        assert room.beyond(BODY, feet) > 0.0  # too far out for its leg, or too far in
+        assert room.offsets(BODY, LEFT, feet) == (low, high)
+
+
 def test_beside_a_wall_it_sways_no_farther_than_a_standing_leg_has_room_and_away_as_ever():
     free = SwayRoom.about(STANCE, TITAN, None).offsets(BODY, LEFT, FEET)
     low, high = SwayRoom.about(STANCE, TITAN, BESIDE).offsets(BODY, LEFT, FEET)
