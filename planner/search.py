@@ -9,8 +9,8 @@ that the answer is wanted now, and they finish with the best found so far.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
-from typing import Any, Generic, NamedTuple, TypeVar
+from operator import attrgetter
+from typing import Generic, NamedTuple, TypeVar
 
 from .protocols import Answer, SlicedJob
 
@@ -20,19 +20,12 @@ S = TypeVar("S")
 C = TypeVar("C")
 
 
-class Option(NamedTuple, Generic[S, C]):
-    """One candidate from a node: where it leads, what the step gains, and the heuristic worth of
-    the node reached.
-    """
-
-    candidate: C
-    node: S
-    gain: float  # m
-    heuristic: float  # m
+# one candidate from a node: it, where it leads, what the step gains, and the heuristic worth of the
+# node reached, m; a plain tuple, as most are only weighed
+Option = tuple[C, S, float, float]
 
 
-@dataclass(frozen=True, slots=True)
-class Branch(Generic[S, C]):
+class Branch(NamedTuple, Generic[S, C]):
     """A way through the tree of candidates: only its first will be taken."""
 
     first: C
@@ -76,7 +69,7 @@ class Work:
 
 def beam(
     start: S,
-    options: Callable[[S, int], Iterable[Option[S, C]]],
+    options: Callable[[S, int], Iterable[Option[C, S]]],
     depth: int,
     width: int,
     work: Work | None = None,
@@ -101,25 +94,26 @@ def beam(
     for depth_now in range(1, depth):
         if wanted_now and level:
             break
-        found = []
+        best: list[Branch[S, C]] = []
         for branch in level:
             for _, node, gain, heuristic in options(branch.node, depth_now):
                 gain += branch.gain
-                found.append(Branch(branch.first, node, gain, gain + heuristic, depth_now + 1))
+                score = gain + heuristic
+                _keep(best, (branch.first, node, gain, score, depth_now + 1), width)
                 work.asked += 1
                 if work.asked >= ENOUGH:
                     wanted_now = (yield work.taken()) or wanted_now
             wanted_now = (yield work.taken()) or wanted_now
             if wanted_now:
                 break
-        if wanted_now or not found:
+        if wanted_now or not best:
             break
-        level = ranked(found)[:width]
+        level = best
     return Found([*level, *begun], not wanted_now or not level)
 
 
 def rollouts(
-    options: Iterable[Option[S, C]],
+    options: Iterable[Option[C, S]],
     policy: Callable[[S], tuple[S, float] | None],
     steps: int,
     begun: tuple[C, float] | None = None,
@@ -133,10 +127,9 @@ def rollouts(
     work = work or Work()
     wanted_now: bool | None = False
     found: list[Branch[S, C]] = []
-    for option in options:
-        node = option.node
-        first, gained = (option.candidate, 0.0) if begun is None else begun
-        gain = gained + option.gain
+    for candidate, node, more, heuristic in options:
+        first, gained = (candidate, 0.0) if begun is None else begun
+        gain = gained + more
         taken = 1 if begun is None else 2
         for _ in range(steps):
             work.asked += 1
@@ -148,16 +141,26 @@ def rollouts(
             node, more = ahead
             gain += more
             taken += 1
-        found.append(Branch(first, node, gain, gain + option.heuristic, taken))
+        found.append(Branch(first, node, gain, gain + heuristic, taken))
         wanted_now = (yield work.taken()) or wanted_now
         if wanted_now:
             return Found(ranked(found), False)
     return Found(ranked(found), True)
 
 
+def _keep(best: list[Branch[S, C]], row: tuple[C, S, float, float, int], most: int) -> None:
+    """Keep what would be a branch where it is one of the best, ``most`` of them; of equal ones the
+    one found first stays.
+    """
+    if len(best) < most or row[3] > best[-1].score:
+        best.append(Branch(*row))
+        best.sort(key=attrgetter("score"), reverse=True)
+        del best[most:]
+
+
 def ranked(branches: list[Branch[S, C]]) -> list[Branch[S, C]]:
     """Best first; of equal ones the one found first."""
-    return sorted(branches, key=_score, reverse=True)
+    return sorted(branches, key=attrgetter("score"), reverse=True)
 
 
 def firsts(branches: Iterable[Branch[S, C]]) -> list[Branch[S, C]]:
@@ -174,10 +177,6 @@ def thinned(found: list[C], most: int) -> list[C]:
     if count <= most:
         return found
     return [found[(2 * k + 1) * count // (2 * most)] for k in range(most)]
-
-
-def _score(branch: Branch[Any, Any]) -> float:
-    return branch.score
 
 
 def uninterruptible(job: SlicedJob[Answer]) -> SlicedJob[Answer]:

@@ -171,7 +171,7 @@ class Simulation:
         self.velocity = ((body[0] - x) / TICK, (body[1] - y) / TICK)
         if not command.holds:
             self._count_distance(body[0] - x, body[1] - y, command)
-        if walk.contacts.has_news and not walk.plays:
+        if not walk.plays and walk.contacts.has_news:
             perception.learn(walk.contacts.take_felt())
         if perception.mapper is not None:
             perception.perceive(sensing, walk, plant.body, self.command, self.tick_count)

@@ -28,20 +28,25 @@ def pace_for(run: Execution, command: Command) -> float:
 
     A body that waits for its foot is not kept waiting longer by a slower command.
     """
-    plan = run.tracker.plan
-    if command.holds and plan.rates is not None:
-        return run.pace  # its foot is to land first
-    if plan.speed <= 0.0:
-        return _in_reach(run, 1.0)
-    wanted = _asked(run, command)
-    if run.compliant is not None and run.compliant.slips:
-        wanted *= SLOWER
-    if plan.speed_max > 0.0:
-        wanted = min(wanted, plan.speed_max)
-    ratio = wanted / plan.speed
+    tracker = run.tracker
+    known, ratio = tracker.wanted
+    if known is not command:
+        plan = tracker.plan
+        if command.holds and plan.rates is not None:
+            return run.pace  # its foot is to land first
+        if plan.speed <= 0.0:
+            return _in_reach(run, 1.0)
+        wanted = _asked(run, command)
+        if run.compliant is not None and run.compliant.slips:
+            wanted *= SLOWER
+        if plan.speed_max > 0.0:
+            wanted = min(wanted, plan.speed_max)
+        ratio = wanted / plan.speed
+        if run.compliant is None:
+            tracker.wanted = command, ratio
     if ratio > 1.0 + 1e-12:
         return _in_reach(run, min(ratio, max(1.0, _pace_max(run))))
-    return _in_reach(run, ratio if ratio < 1.0 and run.tracker.body_moves(run.t) else 1.0)
+    return _in_reach(run, ratio if ratio < 1.0 and tracker.body_moves(run.t) else 1.0)
 
 
 def _asked(run: Execution, command: Command) -> float:

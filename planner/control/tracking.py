@@ -13,13 +13,14 @@ from typing import NamedTuple
 from ..geometry.transforms import Body, attitude_of, direction, left_fold_sum
 from ..motion.body_tilt import speed_leaning
 from ..robot.model import Machine
-from ..types import Phase, Point, StepPlan
+from ..types import Command, Phase, Point, StepPlan
 
 REST_TO_REST = 1.5  # highest speed of a cubic from rest to rest over its mean
 LEVEL_LEAN = (0.0, 0.0)  # gradient of the body's floor
 
 
 Four = tuple[float, float, float, float]
+FootRow = tuple[float, float, float, float, float, float]  # x, y, z and their rates
 Bend = tuple[Four, Four]  # factors of s² and s³ in the body's x, y, z, yaw
 Rise = tuple[float, tuple[int, ...], tuple[int, ...]]  # s, legs that rise, legs that carry then
 # of s² and s³ in x, y, z of every foot; None for one that goes straight
@@ -36,7 +37,7 @@ class PlanStretch(NamedTuple):
     stand: tuple[int, ...]  # legs that carry
     down: bool  # the legs in the air are coming down: a touch is a landing
     # x, y, z and their rates, one row per leg
-    feet: tuple[tuple[float, float, float, float, float, float], ...]
+    feet: tuple[FootRow, ...]
     ground: float  # mean z of the carrying feet, m
     bend: Bend | None = None  # of a body that does not go straight
     curves: Curves | None = None  # of feet that do not
@@ -58,6 +59,7 @@ class TrajectoryTracker:
         "_times",
         "_last",
         "_paces",
+        "wanted",
     )
 
     def __init__(self, plan: StepPlan, lifted: Collection[int] = ()) -> None:
@@ -67,25 +69,17 @@ class TrajectoryTracker:
         self.plan = plan
         self.duration: float = times[-1]
         self._times: list[float] = times
-        rows = _Knots(times, body, feet)
-        self.stretches = [_stretch(plan, k, rows, lifted) for k in range(len(times) - 1)]
-        if plan.rates is not None:
-            rates = [_four(row) for row in plan.rates.tolist()]
-            self.stretches = [
-                _bent_stretch(stretch, times[k + 1] - times[k], rates[k], rates[k + 1])
-                for k, stretch in enumerate(self.stretches)
-            ]
-        if plan.foot_rates is not None:
-            speeds = plan.foot_rates.tolist()
-            self.stretches = [
-                _curved_stretch(stretch, times[k + 1] - times[k], speeds[k], speeds[k + 1])
-                for k, stretch in enumerate(self.stretches)
-            ]
+        rates = None if plan.rates is None else [_four(row) for row in plan.rates.tolist()]
+        speeds = None if plan.foot_rates is None else plan.foot_rates.tolist()
+        knots = _Knots(times, body, feet, rates, speeds)
+        self.stretches = [_stretch(plan, k, knots, lifted) for k in range(len(times) - 1)]
         self.rises = _rises(self.stretches)
         # when it was last evaluated, and where the body was then
         self.here: tuple[float, Body] = (math.nan, (0.0, 0.0, 0.0, 0.0))
         self._last = 0
         self._paces: list[float] | None = None
+        # how fast to play it for a command, once that has been worked out (``pacing``)
+        self.wanted: tuple[Command | None, float] = (None, 1.0)
         after = plan.end.lean
         before = after if plan.lean is None else plan.lean
         self.leans = before != LEVEL_LEAN or after != LEVEL_LEAN
@@ -244,10 +238,12 @@ class _Knots(NamedTuple):
     times: list[float]
     body: list[list[float]]
     feet: list[list[list[float]]]
+    rates: list[Four] | None  # of the body; None where it goes straight
+    speeds: list[list[list[float]]] | None  # of the feet, likewise
 
 
 def _stretch(plan: StepPlan, k: int, knots: _Knots, lifted: Collection[int]) -> PlanStretch:
-    times, body, feet = knots
+    times, body, feet, rates, speeds = knots
     phase = plan.phases[k]
     air = plan.swing
     # a supporting foot does not move in the absolute frame; one that waits in the air may
@@ -257,18 +253,19 @@ def _stretch(plan: StepPlan, k: int, knots: _Knots, lifted: Collection[int]) -> 
     duration = times[k + 1] - times[k]
     per_second = 1.0 / duration if duration > 0.0 else 0.0
     x, y, z, yaw = body[k]
-    rate = [(b - a) * per_second for a, b in zip(body[k], body[k + 1], strict=True)]
+    rate = _four([(b - a) * per_second for a, b in zip(body[k], body[k + 1], strict=True)])
     rows = [_row(a, b, per_second) for a, b in zip(feet[k], feet[k + 1], strict=True)]
-    ground = left_fold_sum(rows[leg][2] for leg in stand) / len(stand) if stand else 0.0
+    ground = left_fold_sum([rows[leg][2] for leg in stand]) / len(stand) if stand else 0.0
+    bend: Bend | None = None
+    if rates is not None and duration > 0.0 and not rates[k] == rate == rates[k + 1]:
+        bend = _bend(rate, duration, rates[k], rates[k + 1])
+        rate = rates[k]
+    curves: Curves | None = None
+    if speeds is not None and duration > 0.0 and air:
+        curves = _curves(rows, air, duration, (speeds[k], speeds[k + 1]))
+    down = phase is Phase.DOWN
     return PlanStretch(
-        times[k],
-        (x, y, z, yaw),
-        (rate[0], rate[1], rate[2], rate[3]),
-        air,
-        stand,
-        phase is Phase.DOWN,
-        tuple(rows),
-        ground,
+        times[k], (x, y, z, yaw), rate, air, stand, down, tuple(rows), ground, bend, curves
     )
 
 
@@ -284,39 +281,40 @@ def _rises(stretches: Sequence[PlanStretch]) -> list[Rise]:
     return rises
 
 
-def _bent_stretch(straight: PlanStretch, seconds: float, begin: Four, end: Four) -> PlanStretch:
-    """The stretch whose body has these rates at its ends: a cubic (Hermite's form)."""
-    if seconds <= 0.0 or begin == straight.rate == end:
-        return straight
+def _bend(mean: Four, seconds: float, begin: Four, end: Four) -> Bend:
+    """What makes a cubic of a stretch whose body has these rates at its ends (Hermite's form)."""
     squares = []
     cubes = []
     square = seconds * seconds
-    for mean, first, last in zip(straight.rate, begin, end, strict=True):
-        squares.append((3.0 * mean - 2.0 * first - last) / seconds)
-        cubes.append((first + last - 2.0 * mean) / square)
-    bend = (_four(squares), _four(cubes))
-    return straight._replace(rate=begin, bend=bend)
+    for v, first, last in zip(mean, begin, end, strict=True):
+        squares.append((3.0 * v - 2.0 * first - last) / seconds)
+        cubes.append((first + last - 2.0 * v) / square)
+    return _four(squares), _four(cubes)
 
 
-def _curved_stretch(
-    stretch: PlanStretch, seconds: float, begin: list[list[float]], end: list[list[float]]
-) -> PlanStretch:
-    """The stretch whose moving feet have these velocities at its ends."""
-    if seconds <= 0.0 or not stretch.air:
-        return stretch
-    feet = list(stretch.feet)
-    curves: list[tuple[float, float, float, float, float, float] | None] = [None] * len(feet)
-    for leg in stretch.air:
-        x, y, z, *mean = feet[leg]
+def _curves(
+    rows: list[FootRow],
+    air: Sequence[int],
+    seconds: float,
+    speeds: tuple[list[list[float]], list[list[float]]],
+) -> Curves:
+    """The same of feet in the air that have these velocities at the ends; ``rows`` then begin with
+    the first.
+    """
+    begin, end = speeds
+    curves: list[tuple[float, float, float, float, float, float] | None] = [None] * len(rows)
+    square = seconds * seconds
+    for leg in air:
+        x, y, z, *mean = rows[leg]
         squares = []
         cubes = []
         for v, first, last in zip(mean, begin[leg], end[leg], strict=True):
             squares.append((3.0 * v - 2.0 * first - last) / seconds)
-            cubes.append((first + last - 2.0 * v) / (seconds * seconds))
+            cubes.append((first + last - 2.0 * v) / square)
         vx, vy, vz = begin[leg]
-        feet[leg] = (x, y, z, vx, vy, vz)
+        rows[leg] = (x, y, z, vx, vy, vz)
         curves[leg] = (squares[0], squares[1], squares[2], cubes[0], cubes[1], cubes[2])
-    return stretch._replace(feet=tuple(feet), curves=tuple(curves))
+    return tuple(curves)
 
 
 def curved(
@@ -370,9 +368,7 @@ def _fastest(stretch: PlanStretch, seconds: float) -> float:
     return max(first, REST_TO_REST * math.hypot(x, y))
 
 
-def _row(
-    a: list[float], b: list[float], per_second: float
-) -> tuple[float, float, float, float, float, float]:
+def _row(a: list[float], b: list[float], per_second: float) -> FootRow:
     """Where a foot begins, and its velocity."""
     if a == b:
         return a[0], a[1], a[2], 0.0, 0.0, 0.0

@@ -5,10 +5,9 @@ shift of the body on four legs.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from copy import copy
 from dataclasses import dataclass
-from functools import partial
 from itertools import islice
 from typing import Any
 
@@ -19,7 +18,6 @@ from ..geometry.transforms import XY
 from ..lazy import lazy
 from ..search import Branch, thinned
 from ..terrain.cells import FootholdMap, foothold_map, one_of_each_block
-from ..types import Stance
 from .foothold_checks import FootholdChecks
 from .gait import Posture, nominal_gait, posture_of
 from .leg_selection import (
@@ -51,14 +49,30 @@ INSET = 0.005  # m inside a triangle's edges: where a body shift ends
 
 @dataclass(eq=False)
 class Node:
-    """Where a rollout has come to; its stance, with heights, where a search goes on from it."""
+    """Where a search has come to: by a candidate from another node, or where it began. What is
+    there is worked out when it goes on from it: most nodes are only weighed.
+    """
 
-    posture: Posture
-    stand: Callable[[], Stance] | None  # None on level ground
+    context: SearchContext
+    before: Node | None = None
+    candidate: Candidate | None = None
 
     @lazy
-    def stance(self) -> Stance | None:
-        return None if self.stand is None else self.stand()
+    def posture(self) -> Posture:
+        if self.before is None or self.candidate is None:
+            return self.context.here.posture
+        if isinstance(self.candidate, SwingStep):
+            return after(self.before.posture, self.candidate)
+        return shifted(self.before.posture, self.candidate)
+
+    @lazy
+    def checks(self) -> FootholdChecks:
+        """Around its stance; asked only where there are heights to mind."""
+        here = self.context.here
+        if self.before is None or self.candidate is None:
+            return here
+        stance = self.before.checks.stance_after(self.posture, self.candidate)
+        return FootholdChecks(self.posture, self.context.request, stance, here.work)
 
 
 class SearchContext:
@@ -78,8 +92,7 @@ class SearchContext:
         posture = posture_of(self.nominal, stance)
         self.cells: FootholdMap = foothold_map(request.terrain)
         self.here = FootholdChecks(posture, request)
-        self.start = Node(posture, None if self.here.is_level else lambda: stance)
-        self._latest = self.start, self.here  # most is asked of one node after the other
+        self.start = Node(self)
         size = self.nominal.size
         self.least = min(LEAST * size, self.nominal.margin)  # m, that every step must keep
         self.smallest = SMALL * size  # m, the least margin asked for
@@ -109,33 +122,12 @@ class SearchContext:
 
     def accepts(self, node: Node) -> Accepts | None:
         """What refuses footholds for their height; None where there are no heights to mind."""
-        return None if node.stand is None else self.checks_at(node).refuses
-
-    def checks_at(self, node: Node) -> FootholdChecks:
-        if self._latest[0] is not node:
-            self._latest = node, FootholdChecks(node.posture, self.request, node.stance)
-            self._latest[1].work = self.here.work
-        return self._latest[1]
+        return None if self.here.is_level else node.checks.refuses
 
     def paper_step(self, node: Node, log: DecisionLog | None = None) -> SwingStep | None:
         """What the paper's own policy does at a node."""
         self.here.work.asked += 1
         return decide(node.posture, self.cells, self.accepts(node), log)
-
-    def after(self, node: Node, candidate: Candidate) -> Node:
-        """The node at N_{k+1}."""
-        if isinstance(candidate, SwingStep):
-            posture = after(node.posture, candidate)
-            if node.stand is None:
-                return Node(posture, None)
-            return Node(posture, partial(self.checks_at(node).stance_after, posture, candidate))
-        posture = shifted(node.posture, candidate)
-        stance = node.stance
-        if stance is None:
-            return Node(posture, None)
-        body = posture.x, posture.y, *stance.body[2:]
-        turns = self.nominal.quarter_turns
-        return Node(posture, lambda: Stance(body, stance.feet, stance.last_swing, turns))
 
 
 # steps near the paper's own, and any foothold in reach
@@ -147,11 +139,12 @@ def near_steps(
     """The first footholds (H §5.5) of the paper's legs in its order, with each margin."""
     posture = node.posture
     accepts = context.accepts(node)
+    s0 = context.nominal.margin
     for leg, paper in islice(leg_order(posture), 3):
         if isinstance(paper, StepRefusal):
             continue
-        shifts = (within_margin(context.least, shift_of(posture, leg, m)) for m in margins)
-        for shift in dict.fromkeys(shifts):
+        asked = (paper if m == s0 else shift_of(posture, leg, m) for m in margins)
+        for shift in dict.fromkeys(within_margin(context.least, shift) for shift in asked):
             if shift is None:
                 continue
             left = per_shift
@@ -261,18 +254,26 @@ def shift_room(posture: Posture) -> list[XY]:
     return corners_of_box(room_within(posture.feet, posture.nominal.boxes))
 
 
-def value_of(posture: Posture) -> float:
-    """What a posture is worth to a search: how far the body may go on the footholds it has, mean of
-    the legs, m. What a step did not use up it has kept.
+def value_after(posture: Posture, candidate: Candidate) -> float:
+    """What the posture a candidate leads to is worth to a search: how far the body may then go on
+    its footholds, mean of the legs, m. What a step did not use up it has kept.
     """
-    ux, uy, _ = posture.nominal.path
-    most = posture.nominal.stride
-    total = 0.0
-    for (fx, fy), box in zip(posture.feet, posture.nominal.boxes, strict=True):
-        left = line_exit(fx, fy, box, ux, uy)
-        if left > 0.0:
-            total += most if left > most else left
-    return total / 4
+    nominal, most = posture.nominal, posture.nominal.stride
+    ux, uy, _ = nominal.path
+    if isinstance(candidate, BodyShift):
+        left = [min(way, most) for way in shifted(posture, candidate).exits]
+    else:
+        leg, _, g, _, (x, y, _, _), *_ = candidate
+        dx, dy = g * ux, g * uy
+        known = posture.left_after  # the feet that stand do not depend on where this one lands
+        if g not in known:
+            reach = zip(posture.feet, nominal.boxes, strict=True)
+            ways = [line_exit(fx - dx, fy - dy, box, ux, uy) for (fx, fy), box in reach]
+            known[g] = [min(max(0.0, way), most) for way in ways]
+        left = known[g].copy()
+        left[leg] = min(max(0.0, line_exit(x - dx, y - dy, nominal.boxes[leg], ux, uy)), most)
+    a, b, c, d = left
+    return (a + b + c + d) / 4
 
 
 def entry_of(posture: Posture, way: Branch[Any, Candidate], margin: str = "margin") -> DecisionLog:

@@ -10,13 +10,13 @@ from __future__ import annotations
 
 import math
 
-from ..geometry.transforms import Body, left_fold_sum
+from ..geometry.transforms import Body
 from ..lazy import lazy
 from ..motion.body_height import (
+    FeetHeights,
     body_height,
     clears_all,
     ground_ahead,
-    height_range,
     torso_clearance,
 )
 from ..motion.step_builder import with_feet
@@ -27,7 +27,7 @@ from ..search import Work
 from ..types import Point, Stance
 from .gait import Posture
 from .step_refusals import StepRefusal
-from .steps import BodyShift, Landing, Shift, StepRequest, SwingStep
+from .steps import BodyShift, Candidate, Landing, Shift, StepRequest, SwingStep
 
 LEVEL = 0.005  # m; feet this close to the height of level ground stand on it: no height to plan
 CLIMB = 0.4  # m the body may rise or sink per m of an arc
@@ -40,9 +40,13 @@ class FootholdChecks:
     """Heights around one stance (the request's unless given): what Level B3 says of a foothold."""
 
     def __init__(
-        self, posture: Posture, request: StepRequest, stance: Stance | None = None
+        self,
+        posture: Posture,
+        request: StepRequest,
+        stance: Stance | None = None,
+        work: Work | None = None,
     ) -> None:
-        self.work = Work()  # is told of every foothold that is asked about
+        self.work = work or Work()  # is told of every foothold that is asked about
         self.posture = posture
         self.nominal = nominal = posture.nominal
         self.stance = stance = stance or request.stance
@@ -50,6 +54,8 @@ class FootholdChecks:
         self.machine = request.machine
         self.gait = gait = request.gait
         self.heights = [stance.feet[leg][2] for leg in nominal.body_leg]  # legs of the gait frame
+        self.feet = FeetHeights(self.machine, self.heights, stance.body[2])
+        self.summit = max(terrain.highest, *self.heights)  # no way of a foot is higher
         self.level = terrain.highest if terrain.is_level else math.nan
         self.is_level = (
             terrain.is_level
@@ -65,13 +71,15 @@ class FootholdChecks:
         """The foot on its new foothold, absolute frame."""
         return landing.ax, landing.ay, self.ground_at(landing)
 
-    def stance_after(self, posture: Posture, step: SwingStep, z: float | None = None) -> Stance:
+    def stance_after(self, posture: Posture, step: Candidate, z: float | None = None) -> Stance:
         """The stance in which a step to a posture leaves the walker, at its height or ``z``."""
-        z = self.height_after(step, step.landing) if z is None else z
-        leg = self.nominal.body_leg[step.leg]
-        feet = with_feet(self.stance.feet, {leg: self.foot_at(step.landing)})
-        body = posture.x, posture.y, z, self.stance.body[3]
-        return Stance(body, feet, leg, self.nominal.quarter_turns)
+        _, _, z_now, yaw = self.stance.body
+        feet, leg = self.stance.feet, self.stance.last_swing
+        if isinstance(step, SwingStep):
+            z_now = self.height_after(step, step.landing) if z is None else z
+            leg = self.nominal.body_leg[step.leg]
+            feet = with_feet(feet, {leg: self.foot_at(step.landing)})
+        return Stance((posture.x, posture.y, z_now, yaw), feet, leg, self.nominal.quarter_turns)
 
     def body_at(self, way: float, z: float) -> Body:
         """The body after so much way along the path, m, at height ``z``."""
@@ -81,51 +89,34 @@ class FootholdChecks:
 
     # the height of the body
 
-    def height_limits(self, step: Swinging, landing: Landing) -> tuple[float, float]:
-        """Lowest and highest CoG at N_{k+1}: all four feet in reach there, and u still in reach
-        after g0; low > high when none is.
+    def height_limits(self, step: Swinging, ground: float) -> tuple[float, float]:
+        """Lowest and highest CoG at N_{k+1} with u on such ground: all four feet in reach there,
+        and u still in reach after g0; low > high when none is.
         """
-        return self._limits(step, self.ground_at(landing))
-
-    def _limits(self, step: Swinging, ground: float) -> tuple[float, float]:
         leg, g0, g = step[:3]
-        heights = self.heights.copy()
-        heights[leg] = ground
-        low, high = height_range(self.machine, heights)
-        if g0 > 0.0:
-            z = self.stance.body[2]
-            share = g0 / g
-            bottom, top = height_range(self.machine, self.heights[leg : leg + 1])
-            low = max(low, z + (bottom - z) / share)
-            high = min(high, z + (top - z) / share)
-        return low, high
+        return self.feet.limits(leg, ground, g0 / g if g0 > 0.0 else 0.0)
 
     def height_after(
         self, step: Swinging, landing: Landing, limits: tuple[float, float] | None = None
     ) -> float:
         """Height of the CoG at N_{k+1} within the limits (H §6), m."""
-        ground = self.ground_at(landing)
-        return self._height(step, landing, ground, limits or self._limits(step, ground))
-
-    def _height(
-        self, step: Swinging, landing: Landing, ground: float, limits: tuple[float, float]
-    ) -> float:
         leg = step.leg
+        ground = self.ground_at(landing)
+        low, high = limits or self.height_limits(step, ground)
         z = self.stance.body[2]
         ux, uy, turn = self.nominal.path
         if turn != 0.0:
-            heights = self.heights.copy()
-            heights[leg] = ground
-            wanted = left_fold_sum(heights) / 4 + self.gait.height - z
+            wanted = self.feet.mean(leg, ground) + self.gait.height - z
             change = min(max(wanted, -CLIMB * step.g), CLIMB * step.g)
-            return min(max(z + change, limits[0]), limits[1])
+            return min(max(z + change, low), high)
         left: Point = (*self.posture.feet[0], self.heights[0])
         right: Point = (*self.posture.feet[3], self.heights[3])
         if leg == 0:
             left = landing.x, landing.y, ground
         elif leg == 3:
             right = landing.x, landing.y, ground
-        return body_height(z, step.g, ground_ahead(left, right, ux, uy), self.gait.height, *limits)
+        ahead = ground_ahead(left, right, ux, uy)
+        return body_height(z, step.g, ahead, self.gait.height, low, high)
 
     # what refuses a foothold
 
@@ -140,10 +131,12 @@ class FootholdChecks:
         ground = self.ground_at(landing)
         if ground != ground:
             return StepRefusal.UNKNOWN_GROUND
-        limits = self._limits(shift, ground)
+        limits = self.height_limits(shift, ground)
         if limits[0] > limits[1]:
             return StepRefusal.TOO_UNEVEN
-        height = self._height(shift, landing, ground, limits)
+        if legs is None and max(self.summit, ground) + CLEARANCE <= self.ceiling(limits[0]):
+            return None  # however low the body ends, the foot is lifted over all of the map
+        height = self.height_after(shift, landing, limits)
         if self.crest(leg, landing) + CLEARANCE > self.ceiling(height):
             return StepRefusal.LIFT
         if legs is not None and self._swung_leg_meets(legs, shift, landing, height):

@@ -22,11 +22,6 @@ from .step_refusals import StepRefusal
 from .steps import Landing
 
 NEAR = 1e-9  # m; rounding: a point this far outside a limit is on it
-# looked up once: asked for every cell, and members of an Enum are found slowly
-OUT_OF_REACH = StepRefusal.OUT_OF_REACH
-METHOD_I = StepRefusal.METHOD_I
-METHOD_II = StepRefusal.METHOD_II
-METHOD_III = StepRefusal.METHOD_III
 
 
 @dataclass(slots=True)
@@ -59,25 +54,20 @@ class Domain:
             return math.inf
         return (self.f_along * across - along * self.f_across) / spread
 
-    def refuses(self, x: float, y: float) -> StepRefusal | None:
-        """Why the point is not in D_u; None when it is."""
+    def holds(self, x: float, y: float) -> bool:
+        """True when the point is in D_u."""
         x1, x2, y1, y2 = self.box
         if not (x1 - NEAR <= x <= x2 + NEAR and y1 - NEAR <= y <= y2 + NEAR):
-            return OUT_OF_REACH
+            return False
         across = self.ux * y - self.uy * x
         if (across < -NEAR) if self.left else (across > NEAR):
-            return METHOD_III
+            return False  # method III
         if not self.hind:
-            return None
+            return True
         crossing = self.crossing(x, y)
-        if (
-            crossing > self.limit + NEAR
-            or crossing > line_exit(x, y, self.now, self.ux, self.uy) + NEAR
-        ):
-            return METHOD_I  # H §5.3.1 (15)-(18)
-        if crossing < self.least - NEAR:
-            return METHOD_II  # H §5.3.2
-        return None
+        if not self.least - NEAR <= crossing <= self.limit + NEAR:
+            return False  # method II, H §5.3.2, and method I
+        return crossing <= line_exit(x, y, self.now, self.ux, self.uy) + NEAR  # H §5.3.1 (15)-(18)
 
 
 def domain_of(posture: Posture, leg: int, g: float, convergent: bool) -> Domain:
@@ -116,7 +106,7 @@ def landings(
         return
     x, y = start
     ax, ay = posture.absolute(x, y)
-    if domain.refuses(x, y) is None:
+    if domain.holds(x, y):
         if cells.allows(ax, ay):
             yield start, Landing(x, y, ax, ay)
         else:
@@ -127,13 +117,13 @@ def landings(
     within = [posture.half_plane(*plane) for plane in half_planes(domain)[:straight]]
     order = cells_across(cells, area, (ax, ay), course, trial is not None, within)
     px, py, c, s = posture.x, posture.y, posture.c, posture.s  # this is asked of every cell
-    refuses = domain.refuses
+    holds = domain.holds
     for ax, ay, free in order:
         dx = ax - px
         dy = ay - py
         x = c * dx + s * dy
         y = c * dy - s * dx
-        if refuses(x, y) is not None:
+        if not holds(x, y):
             continue
         if free:
             yield start, Landing(x, y, ax, ay)
@@ -222,7 +212,7 @@ def nearest_in(domain: Domain, x: float, y: float) -> XY | None:
 
 
 def half_planes(domain: Domain) -> list[HalfPlane]:
-    """What bounds D_u beside its box, but for the hyperbola of method I, which ``refuses`` knows:
+    """What bounds D_u beside its box, but for the hyperbola of method I, which ``holds`` knows:
     method III, then I and II, which are straight where f̄ is on the other side of L_G.
     """
     side = 1.0 if domain.left else -1.0

@@ -36,6 +36,7 @@ from ..motion.strides import (
     strokes_on,
 )
 from ..robot.model import Machine
+from ..stability import stable_on
 from ..types import Command, Gait, Stance
 
 # rad per m of s; a path that bends less, one of a kilometre's radius, is walked straight
@@ -118,6 +119,19 @@ class Posture:
     def support(self) -> Polygon:
         """The support polygon of all four feet."""
         return convex_hull(self.feet)
+
+    @lazy
+    def carried(self) -> XY:
+        """From where to where on its path the body is over all four feet, m of s."""
+        return stable_on(self.nominal.path, self.support)
+
+    @lazy
+    def stretches(self) -> dict[int, XY]:
+        return {}  # the same of the other three, by the leg that swings, once it has been asked
+
+    @lazy
+    def left_after(self) -> dict[float, list[float]]:
+        return {}  # m each leg still reaches on its foothold after so much way, likewise
 
     def turned(self, dx: float, dy: float) -> XY:
         """A vector of the gait frame in the absolute one."""

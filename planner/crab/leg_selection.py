@@ -14,7 +14,7 @@ from itertools import chain
 
 from ..decision_log import DecisionLog, note_cell, note_leg, note_reason
 from ..geometry.polygons import Polygon, triangle
-from ..geometry.transforms import direction
+from ..geometry.transforms import XY, direction
 from ..motion.leg_order import IS_FRONT, OTHERS, SUCCESSOR
 from ..stability import stable_interval, stable_on
 from ..terrain.cells import FootholdMap
@@ -66,6 +66,14 @@ def triangle_of(posture: Posture, leg: int) -> Polygon:
     return triangle(feet[i], feet[j], feet[k])
 
 
+def stretch_without(posture: Posture, leg: int) -> XY:
+    """From where to where on a straight course the legs that stay carry when ``leg`` swings, m."""
+    known = posture.stretches
+    if leg not in known:
+        known[leg] = stable_on(posture.nominal.path, triangle_of(posture, leg))
+    return known[leg]
+
+
 def shift_of(posture: Posture, leg: int, margin: float | None = None) -> Shift | StepRefusal:
     """g0 and g when ``leg`` swings by the paper's rules, or why it cannot. ``margin`` replaces s0
     (a lookahead tries smaller ones).
@@ -74,8 +82,7 @@ def shift_of(posture: Posture, leg: int, margin: float | None = None) -> Shift |
     exits = posture.exits
     i, j, k = OTHERS[leg]
     s0 = nominal.order.margin if margin is None else margin
-    ux, uy, _ = nominal.path
-    low, high = stable_interval(triangle_of(posture, leg), 0.0, 0.0, ux, uy)
+    low, high = stretch_without(posture, leg)
     if low > high:
         return MISSES
     if high < -SLACK:
@@ -169,7 +176,7 @@ def planned_margin(posture: Posture, shift: Shift) -> float:
     """Least longitudinal margin of a step against the feet that carry in each phase (H §2.4)."""
     margin = min(shift.g0 - shift.low, shift.high - shift.g)
     if shift.g0 > 0.0:
-        low, high = stable_on(posture.nominal.path, posture.support)
+        low, high = posture.carried
         margin = min(margin, -low, high - shift.g0)
     return margin
 

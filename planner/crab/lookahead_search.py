@@ -22,7 +22,7 @@ from .candidates import (
     SearchContext,
     body_shifts,
     near_steps,
-    value_of,
+    value_after,
     wide_steps,
 )
 from .foothold_search import NEAR
@@ -122,7 +122,7 @@ def look_near(context: SearchContext) -> StepSearch:
     gain = gain_with(context, settings.margin_weight)
     least = min(context.smallest, context.nominal.margin)
 
-    def options(node: Node, depth: int) -> Iterator[Option[Node, Candidate]]:
+    def options(node: Node, depth: int) -> Iterator[Option[Candidate, Node]]:
         margins = (context.nominal.margin, least) if depth < settings.two_margins else (least,)
         steps = near_steps(context, node, margins, settings.per_shift)
         return _options(context, node, steps, gain, 1.0)
@@ -145,7 +145,7 @@ def look_wide(context: SearchContext) -> StepSearch:
     finished = glanced.finished
     for branch in glanced.ways[:KEPT] if finished else ():
         first = branch.first
-        reached = context.after(start, first)
+        reached = Node(context, start, first)
         options = _options(context, reached, any_steps(context, reached, short=False), gain)
         begun = first, gain(first)
         looked: Ways = yield from rollouts(options, policy, LOOK, begun, context.here.work)
@@ -160,7 +160,7 @@ def any_steps(context: SearchContext, node: Node, short: bool = True) -> Iterato
     """Any foothold in reach and the four-leg shifts, one by one: all at once is a long slice."""
     yield from wide_steps(context, node, short)
     for shift in body_shifts(node.posture):
-        if node.stand is None or not context.checks_at(node).is_barred(shift):
+        if context.here.is_level or not node.checks.is_barred(shift):
             yield shift
 
 
@@ -170,13 +170,13 @@ def _options(
     candidates: Iterable[Candidate],
     gain: Gain,
     weight: float = 0.0,
-) -> Iterator[Option[Node, Candidate]]:
+) -> Iterator[Option[Candidate, Node]]:
     """Candidates with where they lead, and ``weight`` times the value reached as heuristic."""
+    posture = node.posture
     for candidate in candidates:
         if context.permits(node, candidate):
-            reached = context.after(node, candidate)
-            heuristic = weight * value_of(reached.posture) if weight else 0.0
-            yield Option(candidate, reached, gain(candidate), heuristic)
+            heuristic = weight * value_after(posture, candidate) if weight else 0.0
+            yield candidate, Node(context, node, candidate), gain(candidate), heuristic
 
 
 def gain_with(context: SearchContext, weight: float) -> Gain:
@@ -199,7 +199,7 @@ def policy_with(context: SearchContext, gain: Gain) -> Callable[[Node], tuple[No
         step = context.paper_step(node)
         if step is None or step.margin < context.least - SLACK:
             return None
-        return context.after(node, step), gain(step)
+        return Node(context, node, step), gain(step)
 
     return policy
 
@@ -220,7 +220,7 @@ def stays_standard(context: SearchContext, paper: SwingStep) -> bool:
     for _ in range(context.settings.back_steps):
         if step is None or not is_standard_step(node.posture, step):
             return False
-        node = context.after(node, step)
+        node = Node(context, node, step)
         step = context.paper_step(node)
     return step is not None
 

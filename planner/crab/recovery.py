@@ -10,14 +10,13 @@ when Level C waits: bounded by count, some two thousand slices at the very most.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from itertools import islice
 from typing import NamedTuple
 
 from ..decision_log import DecisionLog, reasons_of, refused_cells
 from ..protocols import SlicedJob
 from ..types import Blocked, Reason
-from .candidates import SearchContext, near_steps
+from .candidates import Node, SearchContext, near_steps
 from .lookahead_search import Branches, best_of, is_open, look_near, standard_way
 
 # degrees against the commanded course, in the order they are tried
@@ -86,12 +85,12 @@ def _by_a_step_back(context: SearchContext) -> RecoveryJob:
     behind = SearchContext(request, course + math.pi)
     need = WORTH * (context.depth + 1) * standard_way(context.nominal)
     for step in islice(near_steps(behind, behind.start, (behind.nominal.margin,), 2), BACK_MAX):
-        node = behind.after(behind.start, step)
-        z = request.stance.body[2]  # on level ground, where nodes carry no stance
-        there = node.stance or behind.here.stance_after(node.posture, step, z)
+        node = Node(behind, behind.start, step)
+        z = request.stance.body[2] if behind.here.is_level else None
+        there = behind.here.stance_after(node.posture, step, z)
         found = yield from look_near(SearchContext(request._replace(stance=there), course))
         if found.ways and found.ways[0].gain - step.g >= need:
-            return Recovery("back", behind, [replace(found.ways[0], first=step)])
+            return Recovery("back", behind, [found.ways[0]._replace(first=step)])
     return None
 
 

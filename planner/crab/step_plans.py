@@ -41,7 +41,7 @@ def swing_plan(
     """The plan of a swing, the body raised where its torso must clear the ground; ``Blocked`` where
     the legs do not reach that high. ``speed`` is along the path, m/s; 0: as fast as it can.
     """
-    limits = checks.height_limits(step, step.landing)
+    limits = checks.height_limits(step, checks.ground_at(step.landing))
     height = checks.height_after(step, step.landing, limits)
     needs = checks.torso_needs(step.g, height)
     if needs > limits[1]:
@@ -230,6 +230,6 @@ def searched(posture: Posture, step: SwingStep) -> list[list[float]]:
     corners = [nominal.path.placed(x, y, step.g) for x, y in reach]
     if nominal.path.turn == 0.0:
         domain = domain_of(posture, step.leg, step.g, step.convergent)
-        if domain.refuses(step.landing.x, step.landing.y) is None:
+        if domain.holds(step.landing.x, step.landing.y):
             corners = corners_of(domain)
     return [list(posture.absolute(x, y)) for x, y in corners]

@@ -22,10 +22,6 @@ class StepRefusal(Enum):
     NOTHING = "the step would change nothing"
     # of a foothold (H §5.3, §6)
     PROHIBITED = "prohibited cell"
-    OUT_OF_REACH = "out of reach"
-    METHOD_III = "on the other side of the course (method III)"
-    METHOD_I = "the hind leg after next could not swing (method I)"
-    METHOD_II = "the front leg of this side could not swing next (method II)"
     UNKNOWN_GROUND = "no ground known there"
     TOO_UNEVEN = "too high or too low for the legs to reach together"
     LIFT = "the foot cannot be lifted over the ground on the way"

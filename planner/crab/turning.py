@@ -107,14 +107,14 @@ class TurnSearch:
         self.anywhere = anywhere
         return beam(self.root, self.options, depth, width, self.checks.work)
 
-    def options(self, node: TurnNode, depth: int) -> Iterator[Option[TurnNode, Candidate]]:
+    def options(self, node: TurnNode, depth: int) -> Iterator[Option[Candidate, TurnNode]]:
         """Every next step worth looking at, for the beam."""
         for candidate in self.candidates(node, depth):
             self.checks.work.asked += CANDIDATE
             reached, gain = self.after(node, candidate)
             if self.in_need and node.way < self.useful <= reached.way:
                 gain += IN_NEED / (1 + depth)
-            yield Option(candidate, reached, gain, self.heuristic(reached))
+            yield candidate, reached, gain, self.heuristic(reached)
 
     def heuristic(self, node: TurnNode) -> float:
         """Minus what the exits lack of the nominal ones after the same leg has landed, m."""

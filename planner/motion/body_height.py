@@ -9,10 +9,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..geometry.transforms import direction
+from ..geometry.transforms import direction, left_fold_sum
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
 from ..types import Point
+from .leg_order import OTHERS
 from .swing import CLEARANCE
 
 
@@ -46,12 +47,50 @@ def body_height(
     return min(max(z + share * (ground + height - z), low), high)  # H §6 (21)
 
 
-def height_range(machine: Machine, heights: Sequence[float]) -> tuple[float, float]:
-    """Lowest and highest CoG at which feet on these heights are all in reach; low > high when there
-    is none.
+class FeetHeights:
+    """Feet on four heights, m, and a body at height ``z``: how high it may be when one of them
+    comes down elsewhere.
     """
-    low, high = machine.z_range
-    return max(heights) - high, min(heights) - low
+
+    def __init__(self, machine: Machine, heights: Sequence[float], z: float) -> None:
+        self._heights = heights
+        self._z = z
+        self._z_range = machine.z_range
+        self._others = [
+            (min(a, b, c), max(a, b, c))
+            for a, b, c in ((heights[i], heights[j], heights[k]) for i, j, k in OTHERS)
+        ]
+        self._known: dict[tuple[int, float, float], tuple[float, float]] = {}
+
+    def limits(self, leg: int, ground: float, share: float) -> tuple[float, float]:
+        """Lowest and highest CoG with all feet in reach, that of ``leg`` on the ground it comes
+        down on; low > high when there is none.
+
+        After ``share`` of the way there that leg must still be in reach where it stands. Asked for
+        every foothold, most of which are as high as another, so remembered.
+        """
+        limits = self._known.get((leg, ground, share))
+        if limits is None:
+            limits = self._known[leg, ground, share] = self._limits(leg, ground, share)
+        return limits
+
+    def _limits(self, leg: int, ground: float, share: float) -> tuple[float, float]:
+        below, above = self._z_range
+        lowest, highest = self._others[leg]
+        low = max(highest, ground) - above
+        high = min(lowest, ground) - below
+        if share > 0.0:
+            z = self._z
+            stands = self._heights[leg]
+            low = max(low, z + (stands - above - z) / share)
+            high = min(high, z + (stands - below - z) / share)
+        return low, high
+
+    def mean(self, leg: int, ground: float) -> float:
+        """Mean height of the feet, that of ``leg`` on such ground, m."""
+        heights = list(self._heights)
+        heights[leg] = ground
+        return left_fold_sum(heights) / 4
 
 
 def clears_all(terrain: TerrainMap, machine: Machine, z: float) -> bool:

@@ -123,18 +123,22 @@ class LocalPlanner:
         self.stretches = stretches
         self.route = RouteState()
         self._commanded: Command | None = None
+        self._heeded = self.route, Command()  # what was answered, and on which route
 
     def heed(self, command: Command) -> Command:
         """Note the command of this tick; the same, slowed down where the ground ahead is unknown.
 
         A command that holds ends the line that was walked along.
         """
-        self._commanded = command
+        if command is self._commanded and self.route is self._heeded[0]:
+            return self._heeded[1]  # as in most ticks
+        self._commanded = given = command
         if command.holds:
             self.route = RouteState()
         elif self.route.speed_limit < command.speed:
-            return replace(command, speed=self.route.speed_limit)
-        return command
+            given = replace(command, speed=self.route.speed_limit)
+        self._heeded = self.route, given
+        return given
 
     def plan(
         self,

@@ -5,7 +5,6 @@ from itertools import islice
 from walking_console.planner.search import (
     ENOUGH,
     Branch,
-    Option,
     Work,
     beam,
     firsts,
@@ -21,7 +20,7 @@ def options(place, depth):
     """One or two on, never into a hole; two cost nothing more."""
     for way in (1, 2):
         if place + way not in HOLES:
-            yield Option(way, place + way, float(way), 0.0)
+            yield way, place + way, float(way), 0.0
 
 
 def finish(search, *sent):
@@ -56,13 +55,13 @@ def test_where_no_way_goes_on_a_beam_answers_with_the_farthest_it_came_to():
 
 
 def test_a_beam_pauses_after_every_state_it_looks_at_and_no_more():
-    free = lambda place, depth: [Option(1, place + 1, 1.0, 0.0), Option(2, place + 2, 2.0, 0.0)]  # noqa: E731
+    free = lambda place, depth: [(1, place + 1, 1.0, 0.0), (2, place + 2, 2.0, 0.0)]  # noqa: E731
     _, pauses = finish(beam(0, free, depth=4, width=3))
     assert pauses == 1 + 2 + 3 + 3
 
 
 def test_a_beam_that_is_wanted_now_answers_with_what_it_has():
-    free = lambda place, depth: [Option(1, place + 1, 1.0, 0.0), Option(2, place + 2, 2.0, 0.0)]  # noqa: E731
+    free = lambda place, depth: [(1, place + 1, 1.0, 0.0), (2, place + 2, 2.0, 0.0)]  # noqa: E731
     found, pauses = finish(beam(0, free, depth=4, width=3), True)
     assert (
         pauses == 1 and not found.finished and found.ways[0].first == 2 and found.ways[0].steps == 1
@@ -112,7 +111,7 @@ def weights_of(search):
 
 
 def test_a_beam_pauses_within_a_node_of_many_ways_and_says_what_it_has_looked_at():
-    many = lambda place, depth: (Option(way, place + way, 1.0, 0.0) for way in range(1, 41))  # noqa: E731
+    many = lambda place, depth: ((way, place + way, 1.0, 0.0) for way in range(1, 41))  # noqa: E731
     weights, found = weights_of(beam(0, many, depth=2, width=1))
     assert sum(weights) == 80 and max(weights) == ENOUGH
     assert len(found.ways) == 1 + 40 and found.finished
@@ -124,7 +123,7 @@ def test_a_beam_weighs_what_its_options_have_asked_too():
     def dear(place, depth):
         for way in range(1, 5):
             work.asked += 100
-            yield Option(way, place + way, 1.0, 0.0)
+            yield way, place + way, 1.0, 0.0
 
     weights, _ = weights_of(beam(0, dear, depth=1, width=2, work=work))
     assert weights == [101, 101, 101, 101, 0]
@@ -132,7 +131,7 @@ def test_a_beam_weighs_what_its_options_have_asked_too():
 
 def test_a_rollout_pauses_on_a_long_way_and_ends_it_though_it_is_wanted_now():
     policy = lambda place: (place + 1, 1.0)  # noqa: E731
-    first = [Option(1, 1, 1.0, 0.0), Option(2, 2, 1.0, 0.0)]
+    first = [(1, 1, 1.0, 0.0), (2, 2, 1.0, 0.0)]
     weights, found = weights_of(rollouts(first, policy, 3 * ENOUGH))
     assert max(weights) == ENOUGH and sum(weights) == 2 * 3 * ENOUGH
     found, pauses = finish(rollouts(first, policy, 3 * ENOUGH), True)

@@ -47,7 +47,7 @@ def searched_domain(posture: Posture, leg: int, step: dict[str, Any]) -> Any:
     """The domain the step landed in: where method II left nothing, that of the second search."""
     g = float(step["g"])
     domain = domain_of(posture, leg, g, True)
-    if domain.refuses(*posture.canonical(*step["landing"][:2])) is None:
+    if domain.holds(*posture.canonical(*step["landing"][:2])):
         return domain
     return domain_of(posture, leg, g, False)
 
@@ -57,7 +57,7 @@ def _fill(ax: Axes, posture: Posture, domain: Any, colour: str) -> None:
     x1, x2, y1, y2 = domain.box
     xs = np.linspace(x1, x2, FINE)
     ys = np.linspace(y1, y2, FINE)
-    within = np.array([[domain.refuses(float(x), float(y)) is None for x in xs] for y in ys])
+    within = np.array([[domain.holds(float(x), float(y)) for x in xs] for y in ys])
     c, s = posture.c, posture.s
     to_plan = Affine2D.from_values(c, s, -s, c, posture.x, posture.y) + ax.transData
     look: dict[str, Any] = {"colors": [colour], "alpha": 0.22, "zorder": 2.4}

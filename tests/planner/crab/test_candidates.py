@@ -12,18 +12,19 @@ from walking_console.planner.crab.candidates import (
     LEAST,
     ON_THE_SPOT,
     STILL_MAX,
+    Node,
     SearchContext,
     body_shifts,
     near_steps,
     shift_room,
-    value_of,
+    value_after,
     wide_steps,
     within_margin,
 )
 from walking_console.planner.crab.gait import standard_stance
 from walking_console.planner.crab.leg_selection import triangle_of
 from walking_console.planner.crab.step_refusals import StepRefusal
-from walking_console.planner.crab.steps import Landing, Shift, StepRequest, SwingStep
+from walking_console.planner.crab.steps import BodyShift, Landing, Shift, StepRequest, SwingStep
 from walking_console.planner.initial_stance import Placement
 from walking_console.planner.stability import polygon_margin
 
@@ -96,11 +97,23 @@ def test_a_shift_is_ended_early_for_the_least_margin_or_refused():
 def test_a_posture_is_worth_the_way_its_footholds_leave_no_more_than_a_stroke_each():
     stance = standard_stance(TITAN, gait(), Placement((0.0, 0.0, 0.0), lambda x, y: 0.0))
     found = context(stance)
-    worth = value_of(found.start.posture)
+    stay = BodyShift(0.0, 0.0, 0.0)
+    worth = value_after(found.start.posture, stay)
     assert 0.0 < worth < found.nominal.stride
     feet = tuple((x + 9.0, y) for x, y in found.start.posture.feet)
     ahead = replace(found.start.posture, feet=feet)
-    assert value_of(ahead) == pytest.approx(found.nominal.stride)
+    assert value_after(ahead, stay) == pytest.approx(found.nominal.stride)
+
+
+def test_what_a_step_leads_to_is_weighed_as_the_posture_it_leads_to():
+    stance = standard_stance(TITAN, gait(), Placement((0.0, 0.0, 0.0), lambda x, y: 0.0))
+    found = context(stance, 0.2)
+    steps = list(near_steps(found, found.start, (0.03, 0.0), 8))
+    assert len(steps) > 20
+    for step in steps:
+        reached = Node(found, found.start, step).posture
+        ways = [min(way, found.nominal.stride) for way in reached.exits]
+        assert value_after(found.start.posture, step) == sum(ways) / 4
 
 
 def test_after_enough_steps_on_the_spot_only_one_that_gets_on_is_permitted():
@@ -110,7 +123,7 @@ def test_after_enough_steps_on_the_spot_only_one_that_gets_on_is_permitted():
     fresh, stuck = context(stance), context(replace(stance, still=STILL_MAX))
     assert fresh.permits(fresh.start, waits)
     assert not stuck.permits(stuck.start, waits) and stuck.permits(stuck.start, walks)
-    reached = stuck.after(stuck.start, walks)
+    reached = Node(stuck, stuck.start, walks)
     assert stuck.permits(reached, waits), "asked of first steps only"
 
 
@@ -119,9 +132,10 @@ def test_on_uneven_ground_nodes_carry_the_heights_of_their_feet():
     stance = standard_stance(TITAN, gait(), Placement((0.0, 0.0, 0.0), terrain.height_at))
     found = context(stance, 0.0, terrain)
     step = next(near_steps(found, found.start, (0.03,), 1))
-    reached = found.after(found.start, step)
+    reached = Node(found, found.start, step)
     leg = found.nominal.body_leg[step.leg]
-    assert reached.stance.feet[leg][2] == terrain.height_at(step.landing.ax, step.landing.ay)
-    assert reached.stance.last_swing == leg
+    there = reached.checks.stance
+    assert there.feet[leg][2] == terrain.height_at(step.landing.ax, step.landing.ay)
+    assert there.last_swing == leg and there.body[:2] == (reached.posture.x, reached.posture.y)
     flat = context(standard_stance(TITAN, gait(), Placement((0.0, 0.0, 0.0), lambda x, y: 0.0)))
-    assert flat.start.stance is None
+    assert flat.accepts(flat.start) is None, "on level ground nobody minds heights"

@@ -154,7 +154,7 @@ def test_the_stroke_line_in_the_domain_is_what_the_predicates_say():
             cx, cy = nominal.centres[shift.leg]
             for t in rng.uniform(-0.4, 0.6, 20):
                 if min(abs(t - low), abs(t - high)) > 1e-6:
-                    inside = domain.refuses(cx + t * domain.ux, cy + t * domain.uy) is None
+                    inside = domain.holds(cx + t * domain.ux, cy + t * domain.uy)
                     spread = (domain.ux * cy - domain.uy * cx - domain.f_across) * (
                         1 if domain.left else -1
                     )
@@ -169,7 +169,7 @@ def test_every_foothold_offered_is_in_the_domain_on_a_free_cell_and_none_is_offe
         seen = set()
         for start, landing in landings(posture, domain, ground):
             assert terrain.allows(landing.ax, landing.ay)
-            assert domain.refuses(landing.x, landing.y) is None
+            assert domain.holds(landing.x, landing.y)
             assert posture.absolute(landing.x, landing.y) == pytest.approx(
                 (landing.ax, landing.ay), abs=1e-9
             )
@@ -195,10 +195,7 @@ def test_every_free_cell_of_the_domain_is_offered():
         for row in range(terrain.rows):
             for column in range(terrain.columns):
                 x, y = terrain.centre(row, column)
-                if (
-                    not terrain.forbidden[row, column]
-                    and domain.refuses(*posture.canonical(x, y)) is None
-                ):
+                if not terrain.forbidden[row, column] and domain.holds(*posture.canonical(x, y)):
                     free.add((row, column))
         if offered or not free:
             assert offered == free

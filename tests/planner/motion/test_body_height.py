@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from walking_console.planner.motion.body_height import (
+    FeetHeights,
     body_height,
     ground_ahead,
-    height_range,
     torso_needs,
     torso_needs_exactly,
 )
@@ -51,7 +51,18 @@ def test_the_body_climbs_in_proportion_to_its_way_and_within_the_reach_of_its_fe
     assert body_height(0.85, 0.1, (0.2, -0.1), 0.85, 0.0, 9.0) == pytest.approx(1.05), (
         "beyond A the whole height is due"
     )
-    assert height_range(TITAN, [0.0, 0.2, 0.1, 0.0]) == (pytest.approx(0.8), pytest.approx(1.1))
+
+
+def test_the_body_stays_where_all_feet_reach_and_the_one_that_swings_until_it_is_lifted():
+    feet = FeetHeights(TITAN, [0.0, 0.2, 0.1, 0.0], 0.9)
+    assert feet.limits(3, 0.0, 0.0) == (pytest.approx(0.8), pytest.approx(1.1))
+    assert feet.limits(1, 0.1, 0.0) == (pytest.approx(0.7), pytest.approx(1.1)), (
+        "the foot of 0.2 m is put down on 0.1 m"
+    )
+    # half the way there it still stands: as low as 0.8 m there is 0.7 m at the end of the way
+    assert feet.limits(1, 0.1, 0.5) == (pytest.approx(0.7), pytest.approx(1.1))
+    assert feet.limits(1, 0.1, 1.0) == (pytest.approx(0.8), pytest.approx(1.1))
+    assert feet.mean(1, 0.1) == pytest.approx(0.05)
 
 
 def test_the_torso_is_held_against_its_turned_rectangle_when_the_square_is_too_coarse():
