@@ -23,8 +23,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..config import DEFAULT, Navigation
-from ..geometry.paths import Box
-from ..geometry.transforms import direction
+from ..geometry.paths import Box, box_around
+from ..geometry.transforms import direction, placed
 from ..motion.strides import kept
 from ..motion.swing import CLEARANCE
 from ..robot.model import Machine
@@ -48,6 +48,7 @@ RISE_SHARE = 0.96
 BARRED = 0.9  # of a lane's width; a leg finds its way past what covers less
 SAMPLES_A_POSTURE = 30  # of a costmap that are made in the time one posture is looked at in
 LOW_RELIEF = 0.05  # m; ground this even needs no costmap of heights
+SURELY = 1e-6  # m; rounding in sums of heights is less
 
 FIT, STEEP, TORSO, WALL = 0, 100, 101, 102  # what a place is; 1..n: leg without a foothold
 BARRED_BY = {
@@ -176,6 +177,59 @@ def is_plain(region: Region, stance: Stance, terrain: TerrainMap) -> bool:
     return bool(heights.max() - heights.min() <= LOW_RELIEF)
 
 
+def is_clear(region: Region, stance: Stance, terrain: TerrainMap, machine: Machine) -> bool:
+    """True where every place on the line is fit for certain, which is far sooner found than by a
+    costmap: all ground about it is known, free to step on and as even as legs and torso need.
+    """
+    rim = 4 * _step(terrain)  # a costmap reads no farther
+    x1, x2, y1, y2 = region.extent
+    x, y, _, yaw = stance.body
+    middle = placed((x, y, yaw), (x1 + x2) / 2, (y1 + y2) / 2)
+    box = (x1 - rim, x2 + rim, y1 - rim, y2 + rim)
+    low_x, high_x, low_y, high_y = box_around(box, *middle, *direction(yaw))
+    x_min, x_max, y_min, y_max = terrain.bounds
+    if not (x_min < low_x and high_x < x_max and y_min < low_y and high_y < y_max):
+        return False
+    cut = terrain.window(low_x, high_x, low_y, high_y)
+    if terrain.forbidden[cut].any() or (terrain.known is not None and not terrain.known[cut].all()):
+        return False
+    heights = terrain.heights[cut]
+    return bool(heights.max() - heights.min() <= _evenness(machine))
+
+
+def _evenness(machine: Machine) -> float:
+    """How much ground may differ in height, m, before a place on it can be steep, bar a leg's lane
+    or touch the torso.
+    """
+    low, high = machine.z_range
+    under_torso = -low - machine.torso[2] / 2 - CLEARANCE
+    return min(RISE_SHARE * (high - low), _lifted_over(machine), under_torso) - SURELY
+
+
+def _lifted_over(machine: Machine) -> float:
+    """How tall ground may be above the lowest around for a leg to be lifted over it, m."""
+    return machine.height + machine.z_range[1] + machine.overreach[2] - CLEARANCE
+
+
+def _step(terrain: TerrainMap) -> float:
+    """m between two samples of a map."""
+    return max(SAMPLE, terrain.cell)
+
+
+def _samples(region: Region, step: float) -> tuple[Array, Array]:
+    """x and y in body axes at which a map is read, m."""
+    x_min, x_max, y_min, y_max = region.extent
+    pad = 2 * step
+    x = np.arange(x_min - pad, x_max + pad + step, step)
+    return x, np.arange(y_min - pad, y_max + pad + step, step)
+
+
+def weight_of(region: Region, terrain: TerrainMap) -> int:
+    """What making a costmap weighs, in postures looked at."""
+    x, y = _samples(region, _step(terrain))
+    return x.size * y.size // SAMPLES_A_POSTURE
+
+
 def stretched_boxes(machine: Machine) -> tuple[Box, ...]:
     """Every leg's reach rectangle where it stretches to the mechanical limit (``escape``)."""
     dx, dy = (-less for less in kept(machine, stretched=True))
@@ -200,20 +254,12 @@ class Costmap:
         self.region = region
         self.machine = machine
         self.boxes = stretched_boxes(machine) if stretched else machine.boxes
-        self.step = max(SAMPLE, terrain.cell)
-        x_min, x_max, y_min, y_max = region.extent
-        pad = 2 * self.step
-        self.x = np.arange(x_min - pad, x_max + pad + self.step, self.step)
-        self.y = np.arange(y_min - pad, y_max + pad + self.step, self.step)
+        self.step = _step(terrain)
+        self.x, self.y = _samples(region, self.step)
         self._read(stance, terrain)
         self.verdict, self.density, self.seen = self._judge(stance)
         self.cost = self._cost()
         self._let_out()
-
-    @property
-    def weight(self) -> int:
-        """What making it weighs, in postures looked at."""
-        return self.x.size * self.y.size // SAMPLES_A_POSTURE
 
     def _read(self, stance: Stance, terrain: TerrainMap) -> None:
         """The map at every sample point; where cells are smaller, a foothold in any quarter of the
@@ -231,11 +277,12 @@ class Costmap:
             if terrain.cell >= self.step
             else [(dx, dy) for dx in (-quarter, quarter) for dy in (-quarter, quarter)]
         )
-        open_ground = ~terrain.forbidden.ravel()
+        forbidden = terrain.forbidden.ravel()
         self.allowed: Cover = ~self.known & inside
         for dx, dy in shifts:
-            cells, on_map = self._cells(stance, terrain, dx, dy)
-            self.allowed |= on_map & open_ground[cells]
+            moved = dx != 0.0 or dy != 0.0
+            cells, on_map = self._cells(stance, terrain, dx, dy) if moved else (flat, inside)
+            self.allowed |= on_map & ~forbidden[cells]
 
     def _cells(
         self, stance: Stance, terrain: TerrainMap, dx: float, dy: float
@@ -302,9 +349,7 @@ class Costmap:
         """
         ground = np.where(np.isnan(self.heights), np.inf, self.heights)
         known = np.where(self.known, ground, np.inf)
-        limit = (
-            self.machine.height + self.machine.z_range[1] + self.machine.overreach[2] - CLEARANCE
-        )
+        limit = _lifted_over(self.machine)
         finite = known[np.isfinite(known)]
         if finite.size == 0 or finite.max() - ground.min() <= limit:
             return None

@@ -27,7 +27,7 @@ from ..protocols import PlanFunction, PlanningJob, SlicedJob, run_to_completion
 from ..robot.model import Machine
 from ..terrain.map import TerrainMap
 from ..types import Array, Blocked, Command, Point, Reason, Stance, StepPlan
-from .costmap import ACROSS, LAYER, Costmap, Region, is_plain
+from .costmap import ACROSS, LAYER, Costmap, Region, is_clear, is_plain, weight_of
 
 Corners = tuple[tuple[float, float], ...]
 
@@ -207,7 +207,7 @@ class LocalPlanner:
         line = self.route.line
         region = Region.of(line[2] - yaw, *_on_the_line(line, x, y), machine, self.settings)
         costmap = Costmap(region, stance, terrain, machine, self.settings)
-        yield costmap.weight
+        yield weight_of(region, terrain)
         bar = costmap.why()
         if bar.reason is not Reason.NO_WAY_ROUND:
             return answer
@@ -268,23 +268,42 @@ def routing(
     if not refused:
         toward = 0.0 if state.aim is None else region.seen_from(stance, *state.aim)[1]
         narrow = Region.of(course, along, off, machine, settings, toward)
-        costmap = Costmap(narrow, stance, terrain, machine, settings)
+        if _goes_straight_on(state, off) and is_clear(narrow, stance, terrain, machine):
+            yield weight_of(narrow, terrain)
+            return _steered(command, state, stance, region, _homing(off, region, state))
+        costmap = yield from _looked_at(narrow, stance, terrain, machine, settings)
         way = _as_before(state, stance, region, costmap)
-        yield costmap.weight
     if costmap is None or way is None:
-        costmap = Costmap(region, stance, terrain, machine, settings)
-        yield costmap.weight
+        costmap = yield from _looked_at(region, stance, terrain, machine, settings)
         way = DetourSearch(costmap).best(state.offset, refused)
     if way.reach < settings.no_way:
         why = costmap.why()
         # no way for legs in their control reach, nor round it: what do they reach at the most?
         if stretches:
-            costmap = Costmap(region, stance, terrain, machine, settings, stretched=True)
-            yield costmap.weight
+            costmap = yield from _looked_at(region, stance, terrain, machine, settings, True)
             way = DetourSearch(costmap).best(state.offset, refused)
         if way.reach < settings.no_way:
             return command, replace(state, aim=None, offset=0.0, way=()), why
     return _steered(command, state, stance, region, way, costmap if cautious else None)
+
+
+def _goes_straight_on(state: RouteState, off: float) -> bool:
+    """True of a body on its line that makes for no corner beside it."""
+    return state.aim is None and abs(off) <= ON_LINE
+
+
+def _looked_at(
+    region: Region,
+    stance: Stance,
+    terrain: TerrainMap,
+    machine: Machine,
+    settings: Navigation,
+    stretched: bool = False,
+) -> SlicedJob[Costmap]:
+    """The costmap of a region; pauses after it."""
+    costmap = Costmap(region, stance, terrain, machine, settings, stretched)
+    yield weight_of(region, terrain)
+    return costmap
 
 
 def _drawn(state: RouteState, command: Command, stance: Stance) -> RouteState:

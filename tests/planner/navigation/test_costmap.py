@@ -18,8 +18,10 @@ from walking_console.planner.navigation.costmap import (
     Costmap,
     Region,
     Sums,
+    is_clear,
     is_plain,
     stretched_boxes,
+    weight_of,
 )
 from walking_console.planner.types import Reason
 
@@ -61,6 +63,47 @@ def test_open_ground_is_plain_and_a_hole_or_unknown_ground_near_is_not():
     known = np.ones((SIZE, SIZE), dtype=bool)
     known[at(0.0), at(1.0)] = False
     assert not is_plain(REGION, stance_at(), map_of(level(), known=known))
+
+
+def test_what_is_clear_for_certain_a_costmap_finds_fit_all_along_the_line():
+    rng = np.random.default_rng(5)
+    clear = []
+    for _ in range(60):
+        heights = level() + rng.uniform(0.0, rng.choice((0.2, 0.45)), (SIZE, SIZE))
+        if rng.random() < 0.4:
+            heights[tuple(rng.integers(at(-2.0), at(2.0), 2))] = np.nan
+        known = np.ones((SIZE, SIZE), dtype=bool)
+        known[tuple(rng.integers(at(-2.0), at(2.0), 2))] = rng.random() < 0.6
+        terrain = map_of(heights, forbidden=np.isnan(heights), known=known)
+        x, y = rng.uniform(-0.5, 0.5, 2)
+        stance = stance_at(x, y, rng.uniform(-3.0, 3.0))
+        off = rng.uniform(-0.02, 0.02)
+        region = Region.of(rng.uniform(-3.0, 3.0), 0.1, off, MACHINE, toward=0.0)
+        costmap = Costmap(region, stance, terrain, MACHINE)
+        assert weight_of(region, terrain) == costmap.x.size * costmap.y.size // 30
+        clear.append(is_clear(region, stance, terrain, MACHINE))
+        if clear[-1]:
+            assert costmap.straight_is_fit() and costmap.all_known
+            assert costmap.known_ahead(((region.length, 0.0),)) == np.inf
+    assert 10 < sum(clear) < 50
+
+
+def test_ground_of_which_not_all_is_free_known_and_even_is_not_clear_for_certain():
+    narrow = Region.of(0.0, 0.0, 0.0, MACHINE, toward=0.0)
+
+    def clear(heights, **more):
+        return is_clear(narrow, stance_at(), map_of(heights, **more), MACHINE)
+
+    assert clear(level()) and clear(with_hole(1.0, 1.1, 3.0, 3.1)), "the hole is far beside it"
+    assert not clear(with_hole(1.0, 1.1, 0.0, 0.1))
+    known = np.ones((SIZE, SIZE), dtype=bool)
+    known[at(0.0), at(1.0)] = False
+    assert not clear(level(), known=known)
+    low, high = MACHINE.z_range
+    for height, is_even in ((0.3, True), (high - low, False)):
+        block = level()
+        block[at(0.0) : at(0.3), at(1.0) : at(1.3)] = height
+        assert clear(block, forbidden=np.zeros((SIZE, SIZE), dtype=bool)) is is_even
 
 
 def test_a_place_and_back_is_the_same_place():
