@@ -114,11 +114,11 @@ class WalkState:
         One whose sole is on stands already.
         """
         run = self.run
-        airborne = [leg for leg in run.in_the_air() if not now.sensing.soles[leg]]
         here = self.brought_to_rest(now, at_once=True)
-        if airborne and lands_first(run, self._braking):
+        if run.in_the_air() and lands_first(run, self._braking):
             self._braking = None
             return
+        airborne = [leg for leg in run.in_the_air() if not now.sensing.soles[leg]]
         if not airborne and self._braking is None:
             return self.stand_still(now)
         self.job.forget()
