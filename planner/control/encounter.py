@@ -121,7 +121,8 @@ class Encounter:
             self,
             state=TABLE[self.state, event],
             hits=self.hits + hit,
-            misses=self.misses + (event is ContactEvent.NO_GROUND),
+            misses=self.misses
+            + (event is ContactEvent.NO_GROUND and self.state is not FootState.PLACE),
             at_top=self.at_top or (hit and at_top),
             edges=self.edges + (event is ContactEvent.EDGE),
             turns=self.turns + 1,
