@@ -90,8 +90,10 @@ def test_the_answer_does_not_depend_on_how_the_search_is_sliced() -> None:
     assert paths[0] == paths[1]
 
 
-def reached_beside(terrain: TerrainMap, aside: tuple[float, ...]) -> int:
-    """The sample of 320 the search reaches with rows so far beside the trace."""
+def field_beside(
+    terrain: TerrainMap, aside: tuple[float, ...]
+) -> tuple[Reachability, SupportState]:
+    """The footholds with rows so far beside the trace, and the stance at its beginning."""
     course = sampled(SinePath(), HEXAPOD.yaw_length, (0.0, 0.0, 0.0))
     x, y, yaw = (array[:321] for array in (course.x, course.y, course.yaw))
     tx, ty = np.gradient(x), np.gradient(y)
@@ -107,7 +109,12 @@ def reached_beside(terrain: TerrainMap, aside: tuple[float, ...]) -> int:
         reachable.foothold_of(leg, (*description.centre, 0.0), 0)
         for leg, description in enumerate(HEXAPOD.legs)
     )
-    path = run_to_completion(search(reachable, SupportState(feet, 0), 320, 40_000))
+    return reachable, SupportState(feet, 0)
+
+
+def reached_beside(terrain: TerrainMap, aside: tuple[float, ...]) -> int:
+    """The sample of 320 the search reaches with rows so far beside the trace."""
+    path = run_to_completion(search(*field_beside(terrain, aside), 320, 40_000))
     assert path.exhausted or path.complete
     return path.farthest
 

@@ -6,18 +6,15 @@ import numpy as np
 import pytest
 
 from tests.planner.trace.rollout import field_of, gait_of
-from tests.planner.trace.test_state_search import HEXAPOD, field_on_trace
+from tests.planner.trace.test_state_search import HEXAPOD, field_beside, field_on_trace
 from walking_console.planner.initial_stance import Placement, square_stance
 from walking_console.planner.protocols import run_to_completion
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.trace import state_search
 from walking_console.planner.trace.clearance import Clearance
-from walking_console.planner.trace.lane import Lane
 from walking_console.planner.trace.paths import trace_for
 from walking_console.planner.trace.prediction import Prediction, predicting
-from walking_console.planner.trace.reachability import Reachability
 from walking_console.planner.trace.state_search import search
-from walking_console.planner.trace.state_sequence import SupportState
 from walking_console.planner.trace.upper_bound import farthest_possible
 from walking_console.planner.types import Command
 
@@ -103,25 +100,3 @@ def predicted(seed: int) -> Prediction:
         stance, Command(speed=0.1), terrain, HEXAPOD, gait, trace=trace, limit=1500, limit_wide=1500
     )
     return run_to_completion(job)
-
-
-def field_beside(
-    terrain: TerrainMap, aside: tuple[float, ...]
-) -> tuple[Reachability, SupportState]:
-    """The field with rows so far beside the trace."""
-    course = trace_for({"kind": "sine"}, HEXAPOD)
-    x, y, yaw = (array[:321] for array in (course.x, course.y, course.yaw))
-    tx, ty = np.gradient(x), np.gradient(y)
-    size = np.hypot(tx, ty)
-    lane = Lane(
-        np.stack([x - off * ty / size for off in aside]),
-        np.stack([y + off * tx / size for off in aside]),
-        yaw,
-        np.full(321, 0.5),
-    )
-    reachable = Reachability(lane, terrain, HEXAPOD).find_all()
-    feet = tuple(
-        reachable.foothold_of(leg, (*description.centre, 0.0), 0)
-        for leg, description in enumerate(HEXAPOD.legs)
-    )
-    return reachable, SupportState(feet, 0)
