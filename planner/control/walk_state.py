@@ -115,10 +115,11 @@ class WalkState:
         """
         run = self.run
         here = self.brought_to_rest(now, at_once=True)
-        if run.in_the_air() and lands_first(run, self._braking):
+        airborne = run.in_the_air()
+        if airborne and lands_first(run, self._braking):
             self._braking = None
             return
-        airborne = [leg for leg in run.in_the_air() if not now.sensing.soles[leg]]
+        airborne = [leg for leg in airborne if not now.sensing.soles[leg]]
         if not airborne and self._braking is None:
             return self.stand_still(now)
         self.job.forget()

@@ -28,7 +28,7 @@ from ..geometry.transforms import (
     turned_back,
     turned_back_by,
 )
-from ..protocols import Announced, Answer, run_to_completion
+from ..protocols import Announced, Answer
 from ..robot.model import Machine
 from ..stability import polygon_margin
 from ..terrain.map import TerrainMap
@@ -98,23 +98,6 @@ class Stop(NamedTuple):
         return math.hypot(*rate) / self.acceleration
 
 
-def swayed(
-    plan: StepPlan,
-    stance: Stance,
-    ahead: Sequence[SupportPhase],
-    gait: Gait,
-    machine: Machine,
-    terrain: TerrainMap | None = None,
-) -> StepPlan:
-    """The plan with the body on its smooth way from where ``stance`` has it.
-
-    ``ahead`` are the supports expected after the step, times counted from its end. On a ``terrain``
-    legs come down gently only where it is known, and the body sways into nothing tall. A body that
-    leans sways along its floor.
-    """
-    return run_to_completion(swaying(plan, stance, ahead, gait, machine, terrain))
-
-
 def swaying(
     plan: StepPlan,
     stance: Stance,
@@ -123,7 +106,13 @@ def swaying(
     machine: Machine,
     terrain: TerrainMap | None = None,
 ) -> _Slices[StepPlan]:
-    """``swayed`` as a job that pauses before each piece of its work."""
+    """The plan with the body on its smooth way from where ``stance`` has it: a job that pauses
+    before each piece of its work.
+
+    ``ahead`` are the supports expected after the step, times counted from its end. On a ``terrain``
+    legs come down gently only where it is known, and the body sways into nothing tall. A body that
+    leans sways along its floor.
+    """
     if not gait.sways:
         return plan
     yield Announced(BEGINNING)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..robot.model import Machine
-from .grid import Window, grown, placed_in, spread_max, within
+from .grid import Window, grown, placed_in, spread_max, whole, within
 
 SLOPE_MAX = math.radians(35.0)  # steeper ground is H: see feet slide off (titan3 default)
 RELIEF_MAX = 0.03  # m under one foot; more is H: see feet land on edges
@@ -45,8 +45,7 @@ def kinds(
     Where all is known this is ``classify``, told by kind. ``final``: only the cell under the foot
     tip counts, H are the holes.
     """
-    rows, columns = heights.shape
-    return kinds_within((slice(0, rows), slice(0, columns)), heights, known, cell, machine, final)
+    return kinds_within(whole(heights.shape), heights, known, cell, machine, final)
 
 
 def kinds_within(

@@ -24,7 +24,7 @@ class LegLog:
 
     def __init__(self, machine: Machine) -> None:
         self.machine = machine
-        self._joints = array("d")  # or foot tips, of a plant whose joints follow from them
+        self._joints = array("d")
         self._loads = array("d")  # none without sensors of load
         self._planned = array("d")  # none where legs do not give
 

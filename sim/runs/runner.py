@@ -247,13 +247,14 @@ def summarise(
 def _figures(simulation: Simulation, recorder: Recorder) -> dict[str, Any]:
     """The figures of merit; None where there is nothing to measure."""
     seconds = recorder.ticks * TICK
+    margin_min = recorder.margin_min
     return {
         "ticks": recorder.ticks,
         "seconds": seconds,
         "distance": simulation.distance,
         "mean_speed": simulation.distance / seconds if seconds else 0.0,
         "steps": len(recorder.steps),
-        "margin_min": recorder.margin_min if math.isfinite(recorder.margin_min) else None,
+        "margin_min": margin_min if math.isfinite(margin_min) else None,
         "forbidden_steps": recorder.forbidden_steps,
         "falls": recorder.falls,
         "emergent": dict(sorted(simulation.walk.contacts.counts.items())),

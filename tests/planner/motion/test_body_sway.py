@@ -18,10 +18,10 @@ from walking_console.planner.initial_stance import Placement
 from walking_console.planner.motion.body_bounds import BRISK, bounds_of
 from walking_console.planner.motion.body_course import centre_over
 from walking_console.planner.motion.body_path import SupportPhase
-from walking_console.planner.motion.body_sway import swayed, swaying
+from walking_console.planner.motion.body_sway import swaying
 from walking_console.planner.motion.body_tilt import Lean
 from walking_console.planner.motion.step_builder import changed, holding_plan
-from walking_console.planner.protocols import Announced
+from walking_console.planner.protocols import Announced, run_to_completion
 from walking_console.planner.robot.collision import leg_in_the_way
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.stability import GRAVITY, polygon_margin, support_polygon
@@ -32,6 +32,11 @@ TITAN = load_machine("titan3")
 GAIT = Gait(0.8, TITAN.lift_up, TITAN.lift_down, TITAN.height, sways=True)
 FLAT = TerrainMap.from_heights(np.zeros((400, 400)), 0.05, TITAN, (-10.0, -10.0))
 ANGLES = range(0, 360, 45)
+
+
+def swayed(*given) -> StepPlan:
+    """The plan swayed, all at once."""
+    return run_to_completion(swaying(*given))
 
 
 def walked(

@@ -7,7 +7,7 @@ import pytest
 
 from tests.planner.motion.test_body_sway import FLAT, GAIT, TITAN, walked
 from walking_console.planner.control.tracking import TrajectoryTracker
-from walking_console.planner.motion.body_sway import swayed
+from walking_console.planner.motion.body_sway import swaying
 from walking_console.planner.motion.step_builder import plan_on_all_feet
 from walking_console.planner.motion.swing_profile import (
     ABOVE,
@@ -22,6 +22,7 @@ from walking_console.planner.motion.swing_profile import (
     rest_to_rest,
     smooth_swing,
 )
+from walking_console.planner.protocols import run_to_completion
 from walking_console.planner.terrain.map import TerrainMap
 from walking_console.planner.types import TICK, Phase, StepPlan
 
@@ -77,8 +78,8 @@ def touch_speed(plan: StepPlan, leg: int) -> float:
 
 def test_on_known_ground_a_foot_comes_down_at_its_touch_speed_and_else_as_fast_as_before():
     leg = DECIDED.swing[0]
-    soft = swayed(DECIDED, STANCE, (), GAIT, TITAN, FLAT)
-    fast = swayed(DECIDED, STANCE, (), GAIT, TITAN)
+    soft = run_to_completion(swaying(DECIDED, STANCE, (), GAIT, TITAN, FLAT))
+    fast = run_to_completion(swaying(DECIDED, STANCE, (), GAIT, TITAN))
     assert touch_speed(soft, leg) <= TOUCH_SPEED + 1e-6
     assert touch_speed(fast, leg) > 3 * TOUCH_SPEED
     assert soft.feet[-1, leg, 2] == pytest.approx(soft.end.feet[leg][2] - BELOW)
