@@ -178,7 +178,9 @@ class Course:
 
     def lifting(self, length: float) -> Moment:
         """A leg lifts after a length of the reference."""
-        return Moment(length, self.centres[0], self._standing[0], self.leans[1])
+        way = self.at(self.lift_length), self.at(length)
+        centre = _left_behind(self.centres[0], *way, self.carries_along)
+        return Moment(length, centre, self._standing[0], self.leans[1])
 
     def halfway(self, length: float) -> Moment:
         """A leg is halfway in the air after a length of the reference."""
@@ -310,6 +312,14 @@ def centre_over(
     centre = centre_of_gravity(machine, seen)
     x, y, _ = centre if tilt is None else turned_by(tilt, centre)
     return c * x - s * y, s * x + c * y
+
+
+def _left_behind(centre: XY, begin: Body, end: Body, carried: float) -> XY:
+    """The centre of gravity from the body's own place when that has gone on from one place to
+    another with all feet on the ground: legs come along by less than the body.
+    """
+    left = 1.0 - carried
+    return centre[0] - left * (end[0] - begin[0]), centre[1] - left * (end[1] - begin[1])
 
 
 def _leans(plan: StepPlan, lift: int) -> tuple[Lean, Lean, Lean]:

@@ -85,6 +85,15 @@ def test_bounds_keep_the_margin_of_the_true_centre_of_gravity():
         assert polygon_margin(course.after, body[0] + dx, body[1] + dy) >= 0.02 - 1e-6
 
 
+def test_a_leg_that_lifts_farther_on_leaves_the_centre_of_gravity_behind_with_the_feet():
+    course = Course.of(DECIDED, STANCE, TITAN)
+    feet = DECIDED.feet[first_swing(DECIDED.phases)].tolist()
+    near = course.lifting(course.lift_length).centre
+    when = course.lifting(course.lift_length + 0.05)
+    assert when.centre == pytest.approx(centre_over(TITAN, course.at(when.length), feet), abs=1e-6)
+    assert math.dist(near, when.centre) > 0.002
+
+
 def test_no_offset_takes_a_standing_foot_out_of_its_mechanical_reach():
     course = Course.of(DECIDED, STANCE, TITAN)
     narrow = replace(TITAN, overreach=(0.004, 0.004, 0.15))
