@@ -1,7 +1,8 @@
 """Pass rates of free and rigid gaits against the fraction of ground allowed.
 
 ``python -m tests.planner.trace.passrates FOLDER [seeds]`` writes ``trace-pass-rates-table.md`` and
-``.png`` into FOLDER. Not a test: it takes a while.
+``.png`` into FOLDER; ``passrates exact [seeds]`` prints which fields the free gait crosses on the
+trace alone, the body's reference never beside it. Not a test: it takes a while.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import time
 from pathlib import Path
 
 from tests.planner.trace.rollout import field_of, walk
+from walking_console.planner.config import TraceSearch
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.trace.paths import trace_for
 from walking_console.planner.trace.periodic_gaits import GAITS
@@ -49,6 +51,29 @@ def rate(name: str, fraction: float, seeds: int) -> tuple[int, float, int]:
         faults += len(again.faults) if again else 0
         passed += walked.stance.course >= LENGTH
     return passed, statistics.median(costs), faults
+
+
+def exact(seeds: int) -> None:
+    """The fields crossed on the trace alone, of those with few allowed cells."""
+    machine = load_machine("hexapod")
+    trace = trace_for({"kind": "sine"}, machine)
+    search = TraceSearch(sway=0.0, detour=0.0)
+    for fraction in (0.03, 0.02):
+        crossed = [
+            seed
+            for seed in range(seeds)
+            if walk(
+                machine,
+                field_of(fraction, seed, machine),
+                Command(speed=0.3),
+                trace,
+                until=LENGTH,
+                check=False,
+                search=search,
+            ).stance.course
+            >= LENGTH
+        ]
+        print(f"{fraction:.0%}: {len(crossed)} of {seeds}: {crossed}", flush=True)
 
 
 def main(folder: Path, seeds: int) -> None:
@@ -103,4 +128,7 @@ def draw(path: Path, gaits: tuple[str, ...], rates: dict[tuple[str, float], floa
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), int(sys.argv[2]) if len(sys.argv) > 2 else 100)
+    if sys.argv[1] == "exact":
+        exact(int(sys.argv[2]) if len(sys.argv) > 2 else 40)
+    else:
+        main(Path(sys.argv[1]), int(sys.argv[2]) if len(sys.argv) > 2 else 100)

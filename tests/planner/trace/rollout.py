@@ -70,12 +70,13 @@ def walk(
     rigid: RigidGait | None = None,
     check: bool = True,
     stance: Stance | None = None,
+    search: TraceSearch = ON_THE_TRACE,
 ) -> Walked:
     gait = gait_of(machine)
     pose = trace.pose(0.0) if trace is not None else (0.0, 0.0, 0.0)
     place = Placement(pose, lambda x, y: 0.0 if terrain.is_level else terrain.height_at(x, y))
     now = stance or square_stance(machine, gait, place)
-    out, think = Walked(now), TraceWalk(machine, gait, trace, rigid, ON_THE_TRACE)
+    out, think = Walked(now), TraceWalk(machine, gait, trace, rigid, search)
     for _ in range(steps):
         thinking = think(now, command, terrain)
         while True:
