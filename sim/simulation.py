@@ -168,14 +168,16 @@ class Simulation:
         if perception.loose.holding:
             perception.give_way(plant)
         body = plant.body
-        self.velocity = ((body[0] - x) / TICK, (body[1] - y) / TICK)
+        dx, dy = body[0] - x, body[1] - y
+        self.velocity = dx / TICK, dy / TICK
         if not command.holds:
-            self._count_distance(body[0] - x, body[1] - y, command)
+            self._count_distance(dx, dy, command)
         if not walk.plays and walk.contacts.has_news:
             perception.learn(walk.contacts.take_felt())
         if perception.mapper is not None:
             perception.perceive(sensing, walk, plant.body, self.command, self.tick_count)
-        perception.keep_up(plant, walk)
+        if perception.wide is not None:
+            perception.keep_up(plant, walk)
         self.tick_count += 1
 
     def _newest_command(self) -> Command:
@@ -189,9 +191,7 @@ class Simulation:
         return command
 
     def _count_distance(self, dx: float, dy: float, command: Command) -> None:
-        """Planar path of the centre of gravity along the commanded direction; turning alone is no
-        way.
-        """
+        """Planar path of the centre along the commanded direction; turning alone is no way."""
         if dx == 0.0 and dy == 0.0:
             return
         if self.world.scenario.trace is not None:  # the commanded direction is the trace's own

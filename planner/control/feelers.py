@@ -17,6 +17,9 @@ LOOKS_ON = 0.1  # s of the plan, over which the way of the foot is told
 LEVEL = 0.01  # m; ground higher than this beside a sole stands beside it
 CLOSE_BY = 3  # whiskers that touch what stands nearer than ``CLOSE`` of their reach
 CLOSE = math.sqrt(0.5)  # of the reach of one 45° aside, seen straight ahead
+# looked at every tick: a name of the module is found quicker than one of a class
+_RETURN = Phase.RETURN
+_DOWN = Phase.DOWN
 
 
 class Touch(NamedTuple):
@@ -46,15 +49,21 @@ class Feelers:
         foothold is an edge, or closer beside something than the map has it.
         """
         run = self._run
-        phase = run.tracker.phase(run.t)
-        if phase is Phase.RETURN:
-            for leg in run.plan.swing:
+        tracker = run.tracker
+        plan = tracker.plan
+        phase = plan.phases[tracker.stretch(run.t)]
+        if phase is _RETURN:
+            off = self._off if plan is self._plan else ()
+            for leg in plan.swing:
+                if leg in off and not (sensing.whiskers[leg] or sensing.soles[leg]):
+                    continue  # as in most ticks
                 felt = self._felt(leg, sensing, terrain)
                 if felt is not None or self._drags(leg, sensing):
                     return Touch(ContactEvent.HIT, leg, felt)
-        elif phase is Phase.DOWN:
-            for leg in run.plan.swing:
-                self._look_beside(leg, sensing)
+        elif phase is _DOWN:
+            for leg in plan.swing:
+                if self._tall or sensing.whiskers[leg]:
+                    self._look_beside(leg, sensing)
                 if not sensing.soles[leg] or run.landed(leg):
                     continue
                 if hangs_over(leg, sensing):

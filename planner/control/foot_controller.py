@@ -67,9 +67,11 @@ def reflex(
     """One tick of Level C: the body-frame foot velocities, m/s, that bring everything to where the
     plan has it at ``t_next``.
     """
-    if playback.leans or max(map(abs, sensing.body[3:5])) > TILTED:
+    (bx, by, _, roll, pitch, yaw) = sensing.body
+    if playback.leans or not (-TILTED <= roll <= TILTED and -TILTED <= pitch <= TILTED):
         return leaning_reflex(playback, t_next, sensing, state, gains, dt)
-    (bx, by, _, roll, pitch, yaw), feet_b, soles = sensing.body, sensing.feet_b, sensing.soles
+    feet_b = sensing.feet_b
+    soles = sensing.soles
     start, body, rate, air, stand, down, feet, ground, bend, curves = playback.stretches[
         playback.stretch(t_next)
     ]
@@ -77,8 +79,12 @@ def reflex(
     s = s - start if s > 0.0 else -start
     if bend is not None:
         rate = bent(rate, bend, s)
-    x, y, z = body[0] + rate[0] * s, body[1] + rate[1] * s, body[2] + rate[2] * s
-    heading = body[3] + rate[3] * s
+    vx, vy, vz, turn = rate
+    x, y, z, heading = body
+    x += vx * s
+    y += vy * s
+    z += vz * s
+    heading += turn * s
     playback.here = t_next, (x, y, z, heading)
 
     landed: tuple[int, ...] = ()
@@ -105,25 +111,26 @@ def reflex(
         lift = _lift(feet, stand, soles, feet_b, z)
     else:
         lift = ground - z - measured / carrying if carrying else 0.0
-    tilted = roll > LEVEL or pitch > LEVEL or roll < -LEVEL or pitch < -LEVEL
+    tilted = not (-LEVEL <= roll <= LEVEL and -LEVEL <= pitch <= LEVEL)
     if tilted and carrying:
         lift += _lean(stand, soles, feet_b, roll, pitch) / carrying
 
     # (34), (35): one rigid motion for all carrying legs, from the body's monitored place to its
     # planned one
-    c, d = math.cos(yaw), math.sin(yaw)
-    px, py, turn = x - bx, y - by, heading - yaw
-    px, py = c * px + d * py, c * py - d * px
+    c = math.cos(yaw)
+    d = math.sin(yaw)
+    ax = x - bx
+    ay = y - by
+    px = c * ax + d * ay
+    py = c * ay - d * ax
+    turn = heading - yaw
     simple = gains.integral == 0.0 and gains.derivative == 0.0
     gain = gains.position / dt if simple else 1.0
-    out: list[Point] = [ZERO] * len(feet_b)
+    out: list[Point]
     if -TURN_MIN < turn < TURN_MIN:
-        shared = (-px * gain, -py * gain, lift * gain)
-        for leg in stand:
-            out[leg] = shared
-        for leg in landed:
-            out[leg] = shared
+        out = [(-px * gain, -py * gain, lift * gain)] * len(feet_b)
     else:
+        out = [ZERO] * len(feet_b)
         e, f = math.cos(turn), math.sin(turn)
         for leg in stand + landed:
             mx, my, _ = feet_b[leg]
@@ -137,8 +144,11 @@ def reflex(
         if curves is not None and (curve := curves[leg]) is not None:
             vx, vy, vz = curved(vx, vy, vz, curve, s)
         mx, my, mz = feet_b[leg]
-        fx, fy, fz = fx + vx * s - x, fy + vy * s - y, fz + vz * s - z
-        fx, fy = c * fx + d * fy, c * fy - d * fx
+        ax = fx + vx * s - x
+        ay = fy + vy * s - y
+        fx = c * ax + d * ay
+        fy = c * ay - d * ax
+        fz = fz + vz * s - z
         if tilted:  # the body is not level; first order in its angles
             fx, fy, fz = fx - fz * pitch, fy + fz * roll, fz + fx * pitch - fy * roll
         out[leg] = ((fx - mx) * gain, (fy - my) * gain, (fz - mz) * gain)  # (38)

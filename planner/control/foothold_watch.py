@@ -36,7 +36,7 @@ class FootholdWatch:
         """A leg whose foothold gives way, None while all hold."""
         soles = sensing.soles
         slips = True in sensing.slipping
-        if not slips and soles == self._soles and not self._lost:
+        if soles == self._soles and not (slips or self._lost):
             return None
         run = self._run
         stretch = run.tracker.stretches[run.tracker.stretch(run.t)]

@@ -46,7 +46,8 @@ def pace_for(run: Execution, command: Command) -> float:
             tracker.wanted = command, ratio
     if ratio > 1.0 + 1e-12:
         return _in_reach(run, min(ratio, max(1.0, _pace_max(run))))
-    return _in_reach(run, ratio if ratio < 1.0 and tracker.body_moves(run.t) else 1.0)
+    pace = ratio if ratio < 1.0 and tracker.body_moves(run.t) else 1.0
+    return pace if pace == run.pace else _in_reach(run, pace)
 
 
 def _asked(run: Execution, command: Command) -> float:

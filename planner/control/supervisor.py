@@ -63,7 +63,8 @@ class GaitSupervisor:
         self.postures = PostureController(self.state, layout)
         self._steps = StepController(self.state)
         self._heed = planner.heed
-        self._doubt = PlaceDoubt(run.tolerances.drift)
+        drift = run.tolerances.drift
+        self._doubt = PlaceDoubt(drift) if drift > 0.0 else None
         self._work = run.config.planning.work
         self._now: Now | None = None
 
@@ -200,15 +201,14 @@ class GaitSupervisor:
         command = self._heed(command)
         if self.run.compliant is not None:
             sensing = self.run.compliant.believed(sensing)
-        terrain = self._doubt.cautious(sensing, terrain)
+        if self._doubt is not None:
+            terrain = self._doubt.cautious(sensing, terrain)
         now = self._now
-        if now is None:
+        if now is None or now.command is not command:
             now = self._now = Now(sensing, command, terrain, command.holds)
         else:
             now.sensing = sensing
-            now.command = command
             now.terrain = terrain
-            now.holds = command.holds
         postures = self.postures
         if postures.wanted or postures.low or state.activity is _POSTURE:
             postures.listen(now)
@@ -283,7 +283,7 @@ class GaitSupervisor:
             return run.t
         run.pace = pace_for(run, now.command) if stepping else 1.0
         t_next, left = run.time_ahead()
-        if stepping and self._soles.keeps_down(t_next, now):
+        if stepping and run.t <= run.tracker.rises_until and self._soles.keeps_down(t_next, now):
             return run.t
         if t_next < run.tracker.duration - END:
             return t_next

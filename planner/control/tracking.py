@@ -55,6 +55,7 @@ class TrajectoryTracker:
         "asked",
         "stretches",
         "rises",
+        "rises_until",
         "here",
         "_times",
         "_last",
@@ -74,6 +75,8 @@ class TrajectoryTracker:
         knots = _Knots(times, body, feet, rates, speeds)
         self.stretches = [_stretch(plan, k, knots, lifted) for k in range(len(times) - 1)]
         self.rises = _rises(self.stretches)
+        # when the last of them is, s into the plan
+        self.rises_until = max((time for time, _, _ in self.rises), default=-math.inf)
         # when it was last evaluated, and where the body was then
         self.here: tuple[float, Body] = (math.nan, (0.0, 0.0, 0.0, 0.0))
         self._last = 0

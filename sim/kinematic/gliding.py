@@ -20,7 +20,6 @@ def glide(q: Configuration, support: Support, motions: Sequence[FootMotion]) -> 
     body = q.body
     tips = q.tips
     carrying = q.carrying
-    r = q.rotation
     first = motions[carrying[0]]
     dx, dy, dz = first
     for leg in carrying:
@@ -30,16 +29,18 @@ def glide(q: Configuration, support: Support, motions: Sequence[FootMotion]) -> 
         ax, ay, az = motion
         if not (-SAME < ax - dx < SAME and -SAME < ay - dy < SAME and -SAME < az - dz < SAME):
             return _glide_turning(q, support, motions)
-    x = body[0] - (r[0] * dx + r[1] * dy + r[2] * dz)
-    y = body[1] - (r[3] * dx + r[4] * dy + r[5] * dz)
+    xx, xy, xz, yx, yy, yz, zx, zy, zz = q.rotation
+    x = body[0] - (xx * dx + xy * dy + xz * dz)
+    y = body[1] - (yx * dx + yy * dy + yz * dz)
     for nx, ny, offset in support.edges:
         if nx * x + ny * y < offset:
             return False
-    if q.contact.crowds(x, y) and q.bumps(x, y, body[5]):
+    contact = q.contact
+    if contact.obstacles and contact.crowds(x, y) and q.bumps(x, y, body[5]):
         return False
     body[0] = x
     body[1] = y
-    body[2] -= r[6] * dx + r[7] * dy + r[8] * dz
+    body[2] -= zx * dx + zy * dy + zz * dz
     for leg in carrying:
         tip = tips[leg]
         tip[0] += dx

@@ -117,11 +117,10 @@ class KinematicPlant:
     def sense(self) -> Sensing:
         """Position monitors, soles, whiskers and posture at this tick."""
         q = self.q
-        x, y, z, roll, pitch, yaw = q.body
         exact = Sensing(
             self.tick,
-            (x, y, z, roll, pitch, yaw),
-            tuple([(tip[0], tip[1], tip[2]) for tip in q.tips]),
+            tuple(q.body),  # type: ignore[arg-type]
+            tuple(map(tuple, q.tips)),  # type: ignore[arg-type]
             tuple(q.soles),
             tuple(q.whiskers),
             tuple(q.slipping),

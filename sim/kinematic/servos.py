@@ -39,7 +39,9 @@ class Servos:
             if velocity is not before:  # carrying legs are all given one
                 before = velocity
                 vx, vy, vz = velocity
-                dx, dy, dz = vx * TICK, vy * TICK, vz * TICK
+                dx = vx * TICK
+                dy = vy * TICK
+                dz = vz * TICK
                 if not -sx <= dx <= sx:
                     dx = _limited(dx, sx)
                 if not -sy <= dy <= sy:
@@ -47,8 +49,6 @@ class Servos:
                 if not -sz <= dz <= sz:
                     dz = _limited(dz, sz)
                 motion = dx, dy, dz
-            else:
-                dx, dy, dz = motion
             if x0 <= px + dx <= x1 and y0 <= py + dy <= y1 and z0 <= pz + dz <= z1:
                 motions.append(motion)
             else:

@@ -28,19 +28,22 @@ def swing(q: Configuration, motions: Sequence[FootMotion], legs: Iterable[int]) 
     ground, and stop there.
     """
     (bx, by, bz, _, _, _) = q.body
-    r = q.rotation
+    xx, xy, xz, yx, yy, yz, zx, zy, zz = q.rotation
     contact = q.contact
+    obstacles = contact.obstacles
+    crowded = obstacles and contact.crowds(bx, by)
     height_at = q.ground.height_at
-    crowded = contact.crowds(bx, by)
     for leg in legs:
         foot = q.feet[leg]
         tip = q.tips[leg]
         (dx, dy, dz) = motions[leg]
-        px, py, pz = tip[0] + dx, tip[1] + dy, tip[2] + dz
-        x = bx + r[0] * px + r[1] * py + r[2] * pz
-        y = by + r[3] * px + r[4] * py + r[5] * pz
-        z = bz + r[6] * px + r[7] * py + r[8] * pz
-        if contact.near(x, y):
+        px = tip[0] + dx
+        py = tip[1] + dy
+        pz = tip[2] + dz
+        x = bx + xx * px + xy * py + xz * pz
+        y = by + yx * px + yy * py + yz * pz
+        z = bz + zx * px + zy * py + zz * pz
+        if obstacles and contact.near(x, y):
             x, y = _feel(q, leg, x, y, z)
         elif q.whiskers[leg]:
             q.whiskers[leg] = 0

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.planner.control.plans import FEET, FRESH, HEIGHT, TITAN, sensed, swing_plan
+from tests.planner.control.plans import FEET, FRESH, HEIGHT, STANCE, TITAN, sensed, swing_plan
 from walking_console.planner.config import Gains
 from walking_console.planner.control.foot_controller import reflex
 from walking_console.planner.control.tracking import TrajectoryTracker
@@ -32,6 +32,18 @@ def test_a_knot_is_met_exactly_however_the_ticks_fall():
     for t, body, feet in zip(plan.times, plan.body, plan.feet, strict=True):
         assert playback.body_at(float(t)) == pytest.approx(tuple(body), abs=1e-15)
         assert playback.foot_at(0, float(t)) == pytest.approx(tuple(feet[0]), abs=1e-15)
+
+
+def test_legs_rise_until_the_last_of_them_does_and_never_in_a_plan_that_holds():
+    plan = swing_plan()
+    feet = plan.feet.copy()
+    feet[3] = feet[2]
+    phases = (Phase.SUPPORT, Phase.UP, Phase.SUPPORT, Phase.UP)
+    tracker = TrajectoryTracker(replace(plan, feet=feet, phases=phases))
+    assert [time for time, _, _ in tracker.rises] == [0.25, 0.875]
+    assert tracker.rises_until == 0.875
+    assert TrajectoryTracker(swing_plan()).rises_until == 0.25
+    assert TrajectoryTracker(holding_plan(STANCE)).rises_until == -math.inf
 
 
 def test_a_leg_that_waits_in_the_air_while_the_others_carry_the_body_on_does_not_carry():
