@@ -49,8 +49,8 @@ def test_a_body_that_leans_with_its_slope_keeps_both_too(tmp_path, degrees, cour
 
 
 @pytest.mark.parametrize("name", ["river", "holes"])
-def test_on_broken_ground_the_margin_is_kept_where_straight_it_is_millimetres(tmp_path, name):
-    walk = walked(tmp_path, name, *SWAY)
+def test_on_broken_ground_the_margin_is_kept_where_straight_it_is_millimetres(shared, name):
+    walk = shared.walked(name, 'gait.body="sway"')
     assert walk.summary["result"] == "completed" and walk.summary["forbidden_steps"] == 0
     assert min(step["planned_polygon_margin_min"] for step in walk.steps) >= 0.019
 
