@@ -46,9 +46,20 @@ class Loads(NamedTuple):
 
 def centre_of_gravity(machine: Machine, feet_b: Sequence[Point]) -> Point:
     """Of torso and legs, body axes, m, with every foot, standing or swinging, where it is."""
+    at_feet = machine.mass_at_feet
+    if at_feet is None:
+        return _centre_of_links(machine, feet_b)
+    x, y, z, mass, whole = at_feet
+    for ahead, aside, up in feet_b:
+        x += mass * ahead
+        y += mass * aside
+        z += mass * up
+    return x / whole, y / whole, z / whole
+
+
+def _centre_of_links(machine: Machine, feet_b: Sequence[Point]) -> Point:
     masses = machine.masses
     whole = masses.torso
-    leg = masses.leg
     x, y, z = masses.centre
     x *= masses.torso
     y *= masses.torso
@@ -65,7 +76,7 @@ def centre_of_gravity(machine: Machine, feet_b: Sequence[Point]) -> Point:
             x += lx
             y += ly
             z += lz
-        whole += leg
+        whole += masses.leg
     return x / whole, y / whole, z / whole
 
 
@@ -73,8 +84,7 @@ def mass_is_at_feet(machine: Machine) -> bool:
     """True of a machine whose legs' masses are all at their feet: its centre of gravity is a mean
     of places, and any leg's joints make no odds to it.
     """
-    first, second, _ = machine.masses.links
-    return first == 0.0 == second and all(chain.joints[2].slides for chain in machine.chains)
+    return machine.mass_at_feet is not None
 
 
 def zero_moment_point(centre: XY, height: float, acceleration: XY) -> XY:

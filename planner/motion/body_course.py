@@ -44,6 +44,45 @@ class Moment(NamedTuple):
     lean: Lean
 
 
+class SwayAxes:
+    """In what direction a body sways along its course, and how far its centre of gravity goes with
+    it. The course is taken to turn evenly from its beginning to its end.
+    """
+
+    __slots__ = ("begins", "turning", "carries_along", "aside", "_side", "_leverage")
+
+    def __init__(
+        self, begins: float, turning: float, carries_along: float, aside: float = math.pi / 2
+    ) -> None:
+        self.begins = begins  # absolute direction of the course, rad
+        self.turning = turning  # rad per metre of the reference's length
+        self.carries_along = carries_along  # by which the centre of gravity goes with the body
+        self.aside = aside  # rad, from the course to the direction in which the body sways
+        self._side = direction(begins + turning * 0.0 + aside)
+        self._leverage = self._side[0] * carries_along, self._side[1] * carries_along
+
+    def towards(self, aside: float) -> SwayAxes:
+        """The same of a body that sways in another direction from its course, rad."""
+        return SwayAxes(self.begins, self.turning, self.carries_along, aside)
+
+    def side(self, length: float) -> XY:
+        """The unit vector along which the body sways after a length of its reference: to the left
+        of its course, or away from an edge.
+        """
+        if self.turning == 0.0:
+            return self._side
+        return direction(self.begins + self.turning * length + self.aside)
+
+    def leverage(self, length: float) -> XY:
+        """How far the centre of gravity goes when the body sways by a metre there: legs stay
+        behind.
+        """
+        if self.turning == 0.0:
+            return self._leverage
+        sx, sy = self.side(length)
+        return sx * self.carries_along, sy * self.carries_along
+
+
 class Course:
     """The reference of a step as a polyline, and what carries the machine on its way."""
 
@@ -70,17 +109,17 @@ class Course:
         means = _per_metre(self.reference, self.lengths)
         # of every stretch: way along x and y per metre at its ends, and of x, y, z and yaw between
         self._rates = list(zip(slopes, slopes[1:], means, strict=False))
-        self._begins = self.heading(0.0)
-        turn = math.remainder(self.heading(self.length) - self._begins, 2.0 * math.pi)
-        # how much the axes of the sway turn per metre of the reference's length, rad
-        self.turning = turn / max(self.length, STILL)
+        begins = self.heading(0.0)
+        turn = math.remainder(self.heading(self.length) - begins, 2.0 * math.pi)
+        self.sway = SwayAxes(begins, turn / max(self.length, STILL), carries_along)
+        # the direction in which it sets out, and way over the ground per metre of it there
+        self.sets_out = direction(begins), self.flat(0.0)
         # of the centre of gravity from the body when a leg lifts, and at the end, absolute axes
         self.centres = centres
-        self.carries_along = carries_along
+        self._lifts_at = self.at(self.lift_length)
         self._room = room
         self._standing = standing  # the feet that stand before, and after, a leg lifts
         self.leans = leans  # of the body at the beginning, when a leg lifts, and at the end
-        self.aside = math.pi / 2  # rad, from the course to the direction in which the body sways
 
     @classmethod
     def of(
@@ -170,16 +209,10 @@ class Course:
         x, y, _, _ = self.slope(length)
         return math.hypot(x, y)
 
-    def side(self, length: float) -> XY:
-        """Direction in which the body sways there, absolute frame: to the left of its course, which
-        is taken to turn evenly from its beginning to its end.
-        """
-        return direction(self._begins + self.turning * length + self.aside)
-
     def lifting(self, length: float) -> Moment:
         """A leg lifts after a length of the reference."""
-        way = self.at(self.lift_length), self.at(length)
-        centre = _left_behind(self.centres[0], *way, self.carries_along)
+        way = self._lifts_at, self.at(length)
+        centre = _left_behind(self.centres[0], *way, self.sway.carries_along)
         return Moment(length, centre, self._standing[0], self.leans[1])
 
     def halfway(self, length: float) -> Moment:
@@ -202,16 +235,25 @@ class Course:
         """The offsets at which the body keeps a margin in a polygon, when it is so far ``along``
         the course from its reference.
         """
+        return self.all_bounds_at(when, (polygon,), margin, along)[0]
+
+    def all_bounds_at(
+        self, when: Moment, polygons: Sequence[Polygon], margin: float, along: float
+    ) -> list[XY]:
+        """Those in each of some polygons."""
         x, y = self.weight_at(when, 0.0, along)
-        wanted = lateral_bounds(polygon, x, y, self.leverage(when.length), margin)
-        return meeting(self.in_reach(when, along), wanted)
+        reach = self.in_reach(when, along)
+        leverage = self.sway.leverage(when.length)
+        return [
+            meeting(reach, lateral_bounds(polygon, x, y, leverage, margin)) for polygon in polygons
+        ]
 
     def in_reach(self, when: Moment, along: float = 0.0) -> XY:
         """The offsets at which every foot that stands is within its leg's mechanical reach, and no
         leg nor the torso in something tall.
         """
         x, y, z, yaw = self.at(when.length)
-        sx, sy = side = self.side(when.length)
+        sx, sy = side = self.sway.side(when.length)
         lx, ly = when.lean
         body = x + along * sy, y - along * sx, z + along * (lx * sy - ly * sx), yaw
         return self._room.offsets(body, side, when.feet, when.lean)
@@ -241,15 +283,10 @@ class Course:
             length /= 2.0
         return 0.0
 
-    def leverage(self, length: float) -> XY:
-        """How far the centre of gravity goes when the body sways by a metre: legs stay behind."""
-        sx, sy = self.side(length)
-        return sx * self.carries_along, sy * self.carries_along
-
     def weight_at(self, when: Moment, aside: float, along: float) -> XY:
         """Where the centre of gravity is above, with the body so far beside the reference."""
         x, y, _, _ = self.at(when.length)
-        sx, sy = self.leverage(when.length)
+        sx, sy = self.sway.leverage(when.length)
         return (
             x + when.centre[0] + aside * sx + along * sy,
             y + when.centre[1] + aside * sy - along * sx,
@@ -267,22 +304,24 @@ class Course:
             return
         lifting = self.lifting(self.lift_length)
         ends = (lifting, self.landing)
-        when = min(ends, key=self._best)
-        kept = self._best(when)
+        first, last = map(self._best, ends)
+        kept = min(first, last)
         if kept >= margin:
             return
-        across = self.aside
+        when = ends[last < first]
+        across = self.sway
         nx, ny = nearest_edge_normal(self.after, *self.weight_at(when, 0.0, 0.0))
-        now = self._begins + self.turning * when.length
-        self.aside = math.atan2(ny, nx) - now
+        now = across.begins + across.turning * when.length
+        self.sway = across.towards(math.atan2(ny, nx) - now)
         least = min(map(self._best, ends))
         if least <= kept or (when is not lifting and least < min(margin, MUCH * kept)):
-            self.aside = across
+            self.sway = across
 
     def _best(self, when: Moment) -> float:
         """The most margin an offset leaves at a moment with a leg in the air, m."""
         low, high = self.bounds_at(when, self.after, OFFSET_MAX)
-        return max(self.margin_at(when, aside, 0.0) for aside in (low, high))
+        least = self.margin_at(when, low, 0.0)
+        return least if low == high else max(least, self.margin_at(when, high, 0.0))
 
     def _stretch(self, length: float) -> tuple[int, float]:
         """The stretch a place lies on, and its share behind it."""
@@ -302,6 +341,17 @@ def centre_over(
     """The centre of gravity of body and legs from the body's own place, absolute axes."""
     bx, by, bz, yaw = body
     c, s = direction(yaw)
+    at_feet = machine.mass_at_feet
+    if at_feet is not None and lean == LEVEL:
+        ahead, aside, _, mass, whole = at_feet
+        for fx, fy, _ in feet:
+            dx = fx - bx
+            dy = fy - by
+            ahead += mass * (c * dx + s * dy)
+            aside += mass * (c * dy - s * dx)
+        ahead /= whole
+        aside /= whole
+        return c * ahead - s * aside, s * ahead + c * aside
     seen = [
         (c * (fx - bx) + s * (fy - by), c * (fy - by) - s * (fx - bx), fz - bz)
         for fx, fy, fz in feet

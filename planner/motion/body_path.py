@@ -226,14 +226,15 @@ def sampled(knots: Sequence[Knot], times: Sequence[float]) -> list[XY]:
     """Value and rate at times in order, as ``at`` has them."""
     out = []
     k = 1
-    last = len(knots) - 1
+    begin = knots[0].time
+    end = knots[-1].time
     for time in times:
-        while k < last and time > knots[k].time:
-            k += 1
-        if time <= knots[0].time or time >= knots[-1].time:
+        if time <= begin or time >= end:
             out.append(at(knots, time)[1:])
-        else:
-            out.append(_cubic(knots[k - 1], knots[k], time))
+            continue
+        while time > knots[k].time:
+            k += 1
+        out.append(_cubic(knots[k - 1], knots[k], time))
     return out
 
 

@@ -120,9 +120,9 @@ def swaying(
     course = Course.of(plan, stance, machine, terrain)
     known: Collection[int] = () if terrain is None else legs_on_known_ground(plan, terrain)
     swing = smooth_swing(plan, machine, known) if gait.smooth else as_planned(plan)
-    task = _Task(course, stance, ahead, bounds, machine)
-    yield task.weight
+    yield _weight_of_a_way(course)
     table = _Table.of(swing, course, stance, bounds)
+    task = _Task(course, stance, ahead, bounds, machine, _expected(course, ahead, bounds))
     way = yield from _within_reach(task, table)
     if table.lift == 0 and course.after and way.margin(machine) < bounds.margin - LACK:
         seconds = math.hypot(*stance.velocity) / bounds.acceleration
@@ -142,12 +142,17 @@ class _Task(NamedTuple):
     ahead: Sequence[SupportPhase]
     bounds: Bounds
     machine: Machine
+    gates: Sequence[Key]  # from the end of the step on, times from there
     stop: Stop | None = None
 
     @property
     def weight(self) -> Announced:
         """What working out one way weighs."""
-        return Announced(WAY_AMONG_TALL if self.course.is_among_tall else WAY)
+        return _weight_of_a_way(self.course)
+
+
+def _weight_of_a_way(course: Course) -> Announced:
+    return Announced(WAY_AMONG_TALL if course.is_among_tall else WAY)
 
 
 def _within_reach(task: _Task, table: _Table) -> _Slices[_Way]:
@@ -182,7 +187,9 @@ def _clear_of_tall(task: _Task, table: _Table, way: _Way) -> _Slices[_Way]:
     kept = min(way.margin(task.machine), task.bounds.margin) - SPARE
     for aside, ahead in ((NEAR, task.ahead), (0.0, task.ahead), (0.0, ())) if least else ():
         bounds = task.bounds._replace(aside=aside)
-        near = yield from _within_reach(task._replace(bounds=bounds, ahead=ahead), table)
+        gates = _expected(task.course, ahead, bounds)
+        nearer = task._replace(bounds=bounds, ahead=ahead, gates=gates)
+        near = yield from _within_reach(nearer, table)
         yield Announced(MEETINGS)
         meetings = _meetings(near)
         if meetings < least and near.margin(task.machine) >= kept:
@@ -195,8 +202,10 @@ def _stops(task: _Task) -> Iterator[Stop]:
     """Ways to stop a body that is thrown off its course, the gentlest first: what throws it aside,
     then all of its motion.
     """
-    course, stance, _, bounds, _, _ = task
-    side = course.side(0.0)
+    course = task.course
+    stance = task.stance
+    bounds = task.bounds
+    side = course.sway.side(0.0)
     along = _dot(stance.sway, (side[1], -side[0]))
     place = course.weight_at(course.lifting(0.0), _dot(stance.sway, side), along)
     rooms = []
@@ -214,9 +223,10 @@ def _stops(task: _Task) -> Iterator[Stop]:
 
 def _in_time(task: _Task, table: _Table) -> _Slices[_Way]:
     """The way through a step that takes as long as body and feet need."""
+    even = None
     for k in range(ROUNDS):
         yield task.weight
-        way = _Way.through(task, table)
+        way = even or _Way.through(task, table)
         before, after = way.hurries(task.bounds, task.machine)
         hurry = max(before, after)
         hurry = hurry if k > PATIENCE else math.sqrt(hurry)
@@ -228,19 +238,22 @@ def _in_time(task: _Task, table: _Table) -> _Slices[_Way]:
         if on_all_feet and task.stop is None:
             yield task.weight
             even = _evened(task, way)
-        table = even or table.slower(min(max(hurry, feet), FOREVER), on_all_feet)
+        if even is None:
+            table = table.slower(min(max(hurry, feet), FOREVER), on_all_feet)
+        else:
+            table = even.table
     return way
 
 
-def _evened(task: _Task, way: _Way) -> _Table | None:
-    """The table with no more time on all feet than the body's speed needs to go over evenly to that
+def _evened(task: _Task, way: _Way) -> _Way | None:
+    """The way with no more time on all feet than the body's speed needs to go over evenly to that
     of the rest of the step, where that is all it needs: given more, it would have to brake.
     """
     seconds = way.evenly
     if not SOONEST < seconds < way.table.times[way.table.lift] - SOONEST:
         return None
     sooner = _Way.through(task, way.table.on_all_feet_until(seconds))
-    return sooner.table if max(sooner.hurries(task.bounds, task.machine)) <= IN_TIME else None
+    return sooner if max(sooner.hurries(task.bounds, task.machine)) <= IN_TIME else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -380,8 +393,8 @@ class _Way:
     @classmethod
     def through(cls, task: _Task, table: _Table) -> _Way:
         """The way through the gates of this step and the next ones."""
-        course, stance, ahead, bounds, _, stop = task
-        side = course.side(0.0)
+        course, stance, ahead, bounds, _, _, stop = task
+        side = course.sway.side(0.0)
         forward = side[1], -side[0]
         braking = BRAKING * bounds.acceleration
         speed = _speed_onward(course, stance) if stop is None else stop.onward
@@ -394,7 +407,7 @@ class _Way:
         if stop is None:
             seconds = 0.0
             along = _coming_back(start, back, braking)
-            gates = _near(_gates(table, course, ahead, bounds.margin + SPARE, along), bounds.aside)
+            gates = _near(_gates(task, table, along), bounds.aside)
             across = through_gates(beside, gates)
             inner = _gate_between(task, table, (progress, along, across))
             if inner is not None:
@@ -402,7 +415,7 @@ class _Way:
         else:
             seconds = stop.seconds(rest)
             along = [start, _stopped(start, seconds), Knot(back, 0.0, 0.0)]
-            gates = _gates(table, course, ahead, bounds.margin + SPARE, along)
+            gates = _gates(task, table, along)
             across = [beside, *through_gates(_stopped(beside, seconds), gates)]
         return cls(table, course, progress, along, across, seconds)
 
@@ -420,11 +433,11 @@ class _Way:
         """
         ways = (sampled(way, times) for way in (self.progress, self.along, self.across))
         course = self.course
-        turning = course.turning
+        turning = course.sway.turning
         out = []
         for (length, rate), (along, along_rate), (aside, aside_rate) in zip(*ways, strict=True):
             (x, y, z, yaw), (onward, left, climb, turn) = course.motion(length)
-            sx, sy = course.side(length)
+            sx, sy = course.sway.side(length)
             ox = sx * aside + sy * along
             oy = sy * aside - sx * along
             spin = turning * rate  # the offsets turn with the course
@@ -497,10 +510,14 @@ class _Way:
 
     def _margin_at(self, knot: int, lifted: bool, machine: Machine) -> float:
         """The polygon margin at a knot of the table with the leg lifted or not yet, m."""
-        body, _, lean, _ = self.rows[knot]
         polygon = self.course.after if lifted and self.course.after else self.course.before
+        return polygon_margin(polygon, *self._weight_at(knot, machine))
+
+    def _weight_at(self, knot: int, machine: Machine) -> XY:
+        """Where the centre of gravity is at a knot of the table, absolute axes, m."""
+        body, _, lean, _ = self.rows[knot]
         dx, dy = centre_over(machine, body, self.table.feet[knot], lean)
-        return polygon_margin(polygon, body[0] + dx, body[1] + dy)
+        return body[0] + dx, body[1] + dy
 
     def foot_hurry(self, machine: Machine) -> float:
         """Speed of the fastest foot against the body, over its limit."""
@@ -553,10 +570,15 @@ class _Way:
         """Least polygon margin at the knots, m."""
         if self._least is None:
             lift = self.table.lift
-            knots = [(knot, False) for knot in range(len(self.rows)) if knot <= lift]
-            if self.course.after:
-                knots += [(knot, True) for knot in range(lift, len(self.rows))]
-            self._least = min(self._margin_at(*knot, machine) for knot in knots)
+            course = self.course
+            least = math.inf
+            for knot in range(len(self.rows)) if course.after else range(lift + 1):
+                x, y = self._weight_at(knot, machine)
+                if knot <= lift:
+                    least = min(least, polygon_margin(course.before, x, y))
+                if course.after and knot >= lift:
+                    least = min(least, polygon_margin(course.after, x, y))
+            self._least = least
         return self._least
 
 
@@ -604,7 +626,7 @@ def _accelerations(before: Motion, after: Motion, seconds: float) -> XY:
 
 def _missing(course: Course, sway: XY, margin: float) -> float:
     """How far the body is from keeping a margin over its next support, m, at the beginning."""
-    side = course.side(0.0)
+    side = course.sway.side(0.0)
     along = _dot(sway, (side[1], -side[0]))
     aside = _dot(sway, side)
     now = course.lifting(0.0)
@@ -668,15 +690,14 @@ def _dot(vector: XY, along: XY) -> float:
 
 def _speed_onward(course: Course, stance: Stance) -> float:
     """How fast the body goes along its reference at the beginning, m of its length a second."""
-    flat = course.flat(0.0)
-    return _dot(stance.velocity, direction(course.heading(0.0))) / flat if flat > FLAT_MIN else 0.0
+    onward, flat = course.sets_out
+    return _dot(stance.velocity, onward) / flat if flat > FLAT_MIN else 0.0
 
 
 def _thrown(course: Course, stance: Stance, gone: float) -> XY:
     """The velocity that is left of the body's when it goes along its reference so fast, m/s."""
-    onward = direction(course.heading(0.0))
-    flat = course.flat(0.0)
-    spin = course.turning * gone
+    onward, flat = course.sets_out
+    spin = course.sway.turning * gone
     return (
         stance.velocity[0] - gone * flat * onward[0] + spin * stance.sway[1],
         stance.velocity[1] - gone * flat * onward[1] - spin * stance.sway[0],
@@ -697,36 +718,38 @@ def _coming_back(start: Knot, end: float, acceleration: float) -> list[Knot]:
     return [*knots, Knot(end, 0.0, 0.0)]
 
 
-def _gates(
-    table: _Table,
-    course: Course,
-    ahead: Sequence[SupportPhase],
-    margin: float,
-    along: Sequence[Knot],
-) -> list[Key]:
-    """The gates of the step and of what is expected after it."""
-    last = table.times[-1]
+def _expected(course: Course, ahead: Sequence[SupportPhase], bounds: Bounds) -> list[Key]:
+    """The gates at the end of a step and of what is expected after it; times from its end."""
+    margin = bounds.margin + SPARE
     keys: list[Key] = []
     if course.after:
-        lift = table.times[table.lift]
-        if lift > SOONEST:
-            off = at(along, lift).value
-            for polygon in (course.before, course.after):
-                _add(
-                    keys,
-                    lift,
-                    course.bounds_at(course.lifting(table.lift_length), polygon, margin, off),
-                )
-        _add(keys, last, course.bounds_at(course.landing, course.after, margin))
+        keys.append(Key(0.0, *course.bounds_at(course.landing, course.after, margin)))
     elif ahead:
-        keys.append(Key(last, *course.in_reach(course.shifted)))
-    side = course.leverage(course.length)
+        keys.append(Key(0.0, *course.in_reach(course.shifted)))
+    side = course.sway.leverage(course.length)
+    dx, dy = course.landing.centre
     for support in ahead:
         places = ((support.lift, support.at_lift), (support.land, support.at_land))
-        dx, dy = course.landing.centre
         for time, (x, y) in places:
-            bounds = lateral_bounds(support.polygon, x + dx, y + dy, side, margin)
-            _add(keys, last + time, bounds)
+            bounds_then = lateral_bounds(support.polygon, x + dx, y + dy, side, margin)
+            keys.append(Key(time, *bounds_then))
+    return keys
+
+
+def _gates(task: _Task, table: _Table, along: Sequence[Knot]) -> list[Key]:
+    """The gates of the step and of what is expected after it."""
+    course = task.course
+    last = table.times[-1]
+    keys: list[Key] = []
+    lift = table.times[table.lift]
+    if course.after and lift > SOONEST:
+        off = at(along, lift).value
+        when = course.lifting(table.lift_length)
+        margin = task.bounds.margin + SPARE
+        both = course.all_bounds_at(when, (course.before, course.after), margin, off)
+        keys.append(Key(lift, *meeting(*both)))
+    for time, low, high in task.gates:
+        _add(keys, last + time, (low, high))
     return keys or [Key(last, 0.0, 0.0)]
 
 

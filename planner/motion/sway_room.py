@@ -72,18 +72,24 @@ class SwayRoom:
         ahead, left, _ = tilted(tilt, (*turned_back(*side, yaw), climb))
         over_x, over_y, _ = self._machine.overreach
         low, high = -OFFSET_MAX, OFFSET_MAX
-        for leg, foot in zip(self._machine.legs, feet, strict=True):
+        for (x_low, x_high, y_low, y_high), foot in zip(self._machine.boxes, feet, strict=True):
             if foot is None:
                 continue
             seen_x, seen_y, _ = tilted(tilt, point_seen(body, foot))
-            for place, (begin, end), over, rate in (
-                (seen_x, leg.x, over_x, ahead),
-                (seen_y, leg.y, over_y, left),
+            for place, begin, end, over, rate in (
+                (seen_x, x_low, x_high, over_x, ahead),
+                (seen_y, y_low, y_high, over_y, left),
             ):
-                if abs(rate) > SLANT_MIN:
-                    ends = (place - end - over + SAFE) / rate, (place - begin + over - SAFE) / rate
-                    low = max(low, min(ends))
-                    high = min(high, max(ends))
+                if -SLANT_MIN <= rate <= SLANT_MIN:
+                    continue
+                near = (place - end - over + SAFE) / rate
+                far = (place - begin + over - SAFE) / rate
+                if near > far:
+                    near, far = far, near
+                if near > low:
+                    low = near
+                if far < high:
+                    high = far
         return min(low, 0.0), max(high, 0.0)
 
     def _clear(self, body: Body, side: XY, feet: StandingFeet, bounds: XY) -> XY:
@@ -137,7 +143,7 @@ class SwayRoom:
         c, s = direction(yaw)
         tilt = None if lean == LEVEL else tilt_of(lean, yaw)
         most = -math.inf
-        for leg, foot in zip(self._machine.legs, feet, strict=True):
+        for (x_low, x_high, y_low, y_high), foot in zip(self._machine.boxes, feet, strict=True):
             if foot is None:
                 continue
             dx = foot[0] - x
@@ -146,8 +152,6 @@ class SwayRoom:
             aside = c * dy - s * dx
             if tilt is not None:
                 ahead, aside, _ = turned_back_by(tilt, (ahead, aside, foot[2] - z))
-            x_low, x_high = leg.x
-            y_low, y_high = leg.y
             most = max(
                 most,
                 ahead - x_high - over_x,

@@ -35,6 +35,7 @@ RETURN_SHARE = 0.95  # of V for a return that is made shorter
 SETTLED = 0.04  # s in which a foot that has met nothing stops at its aim
 PIECES = 8  # of a return that is not straight
 STAYS = 1e-9  # m
+REST: Point = (0.0, 0.0, 0.0)  # m/s
 
 IN_THE_AIR = (Phase.UP, Phase.RETURN, Phase.DOWN)
 
@@ -49,21 +50,21 @@ class Ramp(NamedTuple):
     @property
     def way(self) -> float:
         """m."""
-        return self.seconds * (self.first + self.last) / 2.0
+        seconds, first, last = self
+        return seconds * (first + last) / 2.0
 
     def at(self, t: float) -> tuple[float, float]:
         """Way and speed so long after its beginning: acceleration rises and falls evenly."""
-        if self.seconds <= 0.0:
-            return 0.0, self.last
-        u = t / self.seconds
-        gain = self.last - self.first
+        seconds, first, last = self
+        if seconds <= 0.0:
+            return 0.0, last
+        u = t / seconds
+        gain = last - first
         if u <= 0.5:
-            return self.first * t + gain * self.seconds * 2.0 * u**3 / 3.0, (
-                self.first + 2.0 * gain * u * u
-            )
+            return first * t + gain * seconds * 2.0 * u**3 / 3.0, first + 2.0 * gain * u * u
         left = 1.0 - u
-        speed = self.last - 2.0 * gain * left * left
-        behind = self.last * (self.seconds - t) - gain * self.seconds * 2.0 * left**3 / 3.0
+        speed = last - 2.0 * gain * left * left
+        behind = last * (seconds - t) - gain * seconds * 2.0 * left**3 / 3.0
         return self.way - behind, speed
 
 
@@ -87,8 +88,9 @@ class Ramps:
     def at(self, t: float) -> tuple[float, float]:
         """Way and speed at a time."""
         for (begin, done), ramp in zip(self._begin, self.ramps, strict=True):
-            if t - begin <= ramp.seconds:
-                way, speed = ramp.at(t - begin)
+            gone = t - begin
+            if gone <= ramp.seconds:
+                way, speed = ramp.at(gone)
                 return done + way, speed
         return self.way, self.ramps[-1].last if self.ramps else 0.0
 
@@ -271,8 +273,11 @@ class _Smoothing:
 
     def __init__(self, plan: StepPlan, machine: Machine, known: Collection[int]) -> None:
         self.times: list[float] = plan.times.tolist()
-        self.feet = [[(f[0], f[1], f[2]) for f in row] for row in plan.feet.tolist()]
+        self.feet = [[(x, y, z) for x, y, z in row] for row in plan.feet.tolist()]
         self.swing = [leg for leg in plan.swing if leg not in plan.end.lifted]
+        ways = zip(*self.feet, strict=True)
+        moving = {leg for leg, way in enumerate(ways) if way.count(way[0]) < len(way)}
+        self.others_stand = moving <= {*self.swing}  # no foot moves but those that swing
         self.ends = plan.end.feet
         self.known = known
         self.speed = speed_leaning(machine, (plan.lean or plan.end.lean, plan.end.lean))
@@ -280,7 +285,7 @@ class _Smoothing:
 
     def table(self) -> SwingTable:
         """All of it."""
-        still = [(0.0, 0.0, 0.0)] * len(self.ends)
+        still = [REST] * len(self.ends)
         out = SwingTable([0.0], [self.feet[0]], [still], [])
         seconds = self._seconds()
         for run, lasts in zip(self.runs, seconds, strict=True):
@@ -342,7 +347,7 @@ class _Smoothing:
     def _add_as_planned(self, out: SwingTable, run: _Run) -> None:
         start = out.times[-1] - self.times[run.first]
         seconds = max(self.times[run.last] - self.times[run.first], STAYS)
-        drift = [self._drift(run, leg, seconds) for leg in range(len(self.ends))]
+        drift = self._drift(run, seconds)
         for k in range(run.first + 1, run.last + 1):
             _add(out, start + self.times[k], self.feet[k], drift, run.phase)
 
@@ -350,8 +355,8 @@ class _Smoothing:
         ways = {leg: self._way(run, leg, seconds) for leg in self.swing}
         start = out.times[-1]
         bent = any(len(way.path) > 2 for way in ways.values())
-        drift = [self._drift(run, leg, seconds) for leg in range(len(self.ends))]
-        stand = self._others_stand(run)
+        drift = self._drift(run, seconds)
+        stand = self.others_stand or self._others_stand_in(run)
         for t in _merged([*ways.values()], seconds, PIECES if bent else 1):
             share = min(t / seconds, 1.0)
             feet = list(self.feet[run.first]) if stand else self._carried(run, share)
@@ -382,7 +387,7 @@ class _Smoothing:
                 path.append(row[leg])
         return [path[0], path[-1]] if _is_straight(path) else path
 
-    def _others_stand(self, run: _Run) -> bool:
+    def _others_stand_in(self, run: _Run) -> bool:
         """True when no foot but those that swing moves in a run."""
         begin, *rows = self.feet[run.first : run.last + 1]
         others = [leg for leg in range(len(begin)) if leg not in self.swing]
@@ -398,9 +403,10 @@ class _Smoothing:
         rows = zip(self.feet[k], self.feet[k + 1], strict=True)
         return [a if a == b else between(a, b, part) for a, b in rows]
 
-    def _drift(self, run: _Run, leg: int, seconds: float) -> Point:
-        """Mean speed of a foot that stays in the air."""
-        return _mean(self.feet[run.first][leg], self.feet[run.last][leg], seconds)
+    def _drift(self, run: _Run, seconds: float) -> list[Point]:
+        """Mean speed of every foot: of one that stays in the air, what it goes on by."""
+        ends = zip(self.feet[run.first], self.feet[run.last], strict=True)
+        return [REST if a == b else _mean(a, b, seconds) for a, b in ends]
 
 
 class _Way:
@@ -416,10 +422,10 @@ class _Way:
     def at(self, t: float) -> tuple[Point, Point]:
         """Place and velocity at a time."""
         if len(self.path) < 2:
-            return self.path[0], (0.0, 0.0, 0.0)
+            return self.path[0], REST
         way, speed = self.profile.at(t)
         if way >= self._marks[-1]:
-            return self.path[-1], (0.0, 0.0, 0.0)
+            return self.path[-1], REST
         k = min(max(bisect_right(self._marks, way) - 1, 0), len(self.path) - 2)
         a, b = self.path[k], self.path[k + 1]
         length = self._marks[k + 1] - self._marks[k]

@@ -139,18 +139,22 @@ def _line_meets(terrain: TerrainMap, at: Point, ways: Point, samples: int) -> bo
     columns = terrain.columns
     rows = terrain.rows
     heights = terrain.height_view
-    before = int(gx), int(gy)
+    column_before = int(gx)
+    row_before = int(gy)
     for _ in range(samples + 1):
         column = int(gx)
         row = int(gy)
         if 0 <= column < columns and 0 <= row < rows and heights[row * columns + column] > gz:
             return True
-        if column != before[0] and row != before[1]:
-            aside, across = _corner(before, (column, row), (gx, gy), (dx, dy))
-            on_map = 0 <= aside < columns and 0 <= across < rows
-            if on_map and heights[across * columns + aside] > gz - dz / 2.0:
-                return True
-        before = column, row
+        if column != column_before:
+            if row != row_before:
+                cells = (column_before, row_before), (column, row)
+                aside, across = _corner(*cells, (gx, gy), (dx, dy))
+                on_map = 0 <= aside < columns and 0 <= across < rows
+                if on_map and heights[across * columns + aside] > gz - dz / 2.0:
+                    return True
+            column_before = column
+        row_before = row
         gx += dx
         gy += dy
         gz += dz

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..geometry.paths import Box
 from ..geometry.transforms import left_fold_sum
@@ -97,6 +97,16 @@ class Reach:
     z_span: float  # z*
 
 
+class MassAtFeet(NamedTuple):
+    """The moment of a torso about the body's origin, kg·m, the mass of a foot and the whole, kg."""
+
+    x: float
+    y: float
+    z: float
+    foot: float
+    whole: float
+
+
 @dataclass(frozen=True)
 class Machine:
     """A walker as both planners and the simulation see it. Lengths in metres, mass in kilograms."""
@@ -175,6 +185,21 @@ class Machine:
             b = 0.0
             c = 1.0
         return Masses((1.0 - LEGS_SHARE) * self.mass, (a * leg, b * leg, c * leg))
+
+    @cached_property
+    def mass_at_feet(self) -> MassAtFeet | None:
+        """Where all mass of the legs is at their feet, what its centre of gravity is a mean of;
+        None of a machine whose joints make odds to it.
+        """
+        masses = self.masses
+        first, second, foot = masses.links
+        if not (first == 0.0 == second and all(chain.joints[2].slides for chain in self.chains)):
+            return None
+        x, y, z = masses.centre
+        whole = masses.torso
+        for _ in self.legs:
+            whole += masses.leg
+        return MassAtFeet(x * masses.torso, y * masses.torso, z * masses.torso, foot, whole)
 
     @cached_property
     def boxes(self) -> tuple[tuple[float, float, float, float], ...]:

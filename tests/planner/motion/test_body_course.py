@@ -78,7 +78,7 @@ def test_bounds_keep_the_margin_of_the_true_centre_of_gravity():
     assert low < high
     lift = first_swing(DECIDED.phases)
     x, y, z, yaw = course.at(when.length)
-    sx, sy = course.side(when.length)
+    sx, sy = course.sway.side(when.length)
     for aside in (low, high):
         body = (x + aside * sx, y + aside * sy, z, yaw)
         dx, dy = centre_over(TITAN, body, DECIDED.feet[lift].tolist())
@@ -106,6 +106,6 @@ def test_no_offset_takes_a_standing_foot_out_of_its_mechanical_reach():
 
 def test_it_sways_away_from_an_edge_that_its_course_runs_along():
     course = Course.of(DECIDED, STANCE, TITAN)
-    before = course.aside
+    before = course.sway.aside
     course.turn_to_safety(GAIT.margin)
-    assert course.aside == before  # there is margin enough across the course
+    assert course.sway.aside == before  # there is margin enough across the course
