@@ -322,8 +322,7 @@ def _scanned(
 
 
 def _at_rest(supervisor: GaitSupervisor, command: Command) -> bool:
-    blocked = supervisor.blocked is not None
-    return supervisor.stands and (blocked or command.holds)
+    return supervisor.stands and (command.holds or supervisor.blocked is not None)
 
 
 def disc(

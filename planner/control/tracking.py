@@ -247,17 +247,19 @@ class _Knots(NamedTuple):
 
 def _stretch(plan: StepPlan, k: int, knots: _Knots, lifted: Collection[int]) -> PlanStretch:
     times, body, feet, rates, speeds = knots
+    here = feet[k]
+    there = feet[k + 1]
     phase = plan.phases[k]
     air = plan.swing
     # a supporting foot does not move in the absolute frame; one that waits in the air may
     if phase is Phase.SUPPORT:
-        air = tuple(leg for leg in air if leg in lifted or feet[k][leg] != feet[k + 1][leg])
-    stand = tuple(leg for leg in range(len(feet[0])) if leg not in air)
+        air = tuple([leg for leg in air if leg in lifted or here[leg] != there[leg]])
+    stand = tuple([leg for leg in range(len(here)) if leg not in air])
     duration = times[k + 1] - times[k]
     per_second = 1.0 / duration if duration > 0.0 else 0.0
     x, y, z, yaw = body[k]
-    rate = _four([(b - a) * per_second for a, b in zip(body[k], body[k + 1], strict=True)])
-    rows = [_row(a, b, per_second) for a, b in zip(feet[k], feet[k + 1], strict=True)]
+    rate = _mean_rate(body[k], body[k + 1], per_second)
+    rows = [_row(a, b, per_second) for a, b in zip(here, there, strict=True)]
     ground = left_fold_sum([rows[leg][2] for leg in stand]) / len(stand) if stand else 0.0
     bend: Bend | None = None
     if rates is not None and duration > 0.0 and not rates[k] == rate == rates[k + 1]:
@@ -286,13 +288,23 @@ def _rises(stretches: Sequence[PlanStretch]) -> list[Rise]:
 
 def _bend(mean: Four, seconds: float, begin: Four, end: Four) -> Bend:
     """What makes a cubic of a stretch whose body has these rates at its ends (Hermite's form)."""
-    squares = []
-    cubes = []
     square = seconds * seconds
-    for v, first, last in zip(mean, begin, end, strict=True):
-        squares.append((3.0 * v - 2.0 * first - last) / seconds)
-        cubes.append((first + last - 2.0 * v) / square)
-    return _four(squares), _four(cubes)
+    a, b, c, d = mean
+    e, f, g, h = begin
+    i, j, k, m = end
+    squares = (
+        (3.0 * a - 2.0 * e - i) / seconds,
+        (3.0 * b - 2.0 * f - j) / seconds,
+        (3.0 * c - 2.0 * g - k) / seconds,
+        (3.0 * d - 2.0 * h - m) / seconds,
+    )
+    cubes = (
+        (e + i - 2.0 * a) / square,
+        (f + j - 2.0 * b) / square,
+        (g + k - 2.0 * c) / square,
+        (h + m - 2.0 * d) / square,
+    )
+    return squares, cubes
 
 
 def _curves(
@@ -308,15 +320,18 @@ def _curves(
     curves: list[tuple[float, float, float, float, float, float] | None] = [None] * len(rows)
     square = seconds * seconds
     for leg in air:
-        x, y, z, *mean = rows[leg]
-        squares = []
-        cubes = []
-        for v, first, last in zip(mean, begin[leg], end[leg], strict=True):
-            squares.append((3.0 * v - 2.0 * first - last) / seconds)
-            cubes.append((first + last - 2.0 * v) / square)
+        x, y, z, a, b, c = rows[leg]
         vx, vy, vz = begin[leg]
+        ux, uy, uz = end[leg]
         rows[leg] = (x, y, z, vx, vy, vz)
-        curves[leg] = (squares[0], squares[1], squares[2], cubes[0], cubes[1], cubes[2])
+        curves[leg] = (
+            (3.0 * a - 2.0 * vx - ux) / seconds,
+            (3.0 * b - 2.0 * vy - uy) / seconds,
+            (3.0 * c - 2.0 * vz - uz) / seconds,
+            (vx + ux - 2.0 * a) / square,
+            (vy + uy - 2.0 * b) / square,
+            (vz + uz - 2.0 * c) / square,
+        )
     return tuple(curves)
 
 
@@ -369,6 +384,18 @@ def _fastest(stretch: PlanStretch, seconds: float) -> float:
         return first
     x, y, _, _ = bent(stretch.rate, stretch.bend, seconds)
     return max(first, REST_TO_REST * math.hypot(x, y))
+
+
+def _mean_rate(begin: list[float], end: list[float], per_second: float) -> Four:
+    """Of a body between two knots."""
+    x, y, z, yaw = begin
+    u, v, w, turned = end
+    return (
+        (u - x) * per_second,
+        (v - y) * per_second,
+        (w - z) * per_second,
+        (turned - yaw) * per_second,
+    )
 
 
 def _row(a: list[float], b: list[float], per_second: float) -> FootRow:

@@ -174,7 +174,7 @@ class WorkingMap:
         if self.layers.take_back_one():
             return True
         stale = self._stale.ravel()
-        waiting = np.flatnonzero(stale)
+        waiting = stale.nonzero()[0]
         if not waiting.size:
             return False
         at = int(np.searchsorted(waiting, self._next)) % waiting.size

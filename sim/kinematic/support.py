@@ -116,9 +116,10 @@ class Support:
         if not q.carrying:
             return
         roll, pitch = q.body[3], q.body[4]
-        tilt = rotation(roll, pitch, 0.0)
+        xx, xy, xz, yx, yy, yz, _, _, _ = rotation(roll, pitch, 0.0)
         feet = [q.feet[leg] for leg in q.carrying]
-        reached = [turned(tilt, *q.tips[leg])[:2] for leg in q.carrying]
+        tips = [q.tips[leg] for leg in q.carrying]
+        reached = [(xx * x + xy * y + xz * z, yx * x + yy * y + yz * z) for x, y, z in tips]
         x, y, yaw = plane_fit(feet, reached, q.body[5])
         q.turn_to(x, y, yaw, roll, pitch)
 
