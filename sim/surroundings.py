@@ -179,19 +179,21 @@ class Surroundings:
         there, prohibited, crests = seen
         window = there.cells
         learnt = self._learnt.moved(belief.forbidden & ~forbidden, self.window, window)
-        is_felt = np.zeros(forbidden.shape, dtype=bool)
-        if belief.heights is not ground.heights:
-            is_felt = ~_are_equal(belief.heights, ground.heights)
-        felt = np.where(is_felt, belief.heights, 0.0)
-        is_felt = self._is_felt.moved(is_felt, self.window, window)
-        felt = self._felt.moved(felt, self.window, window)
         now = replace(
             belief,
-            heights=np.where(is_felt, felt, there.heights) if is_felt.any() else there.heights,
+            heights=there.heights,
             forbidden=prohibited | learnt,
             origin=there.origin,
         )
-        return now if is_felt.any() else with_crests(now, crests)
+        if belief.heights is ground.heights and self._is_felt.is_usual:
+            return with_crests(now, crests)
+        is_felt = ~_are_equal(belief.heights, ground.heights)
+        felt = np.where(is_felt, belief.heights, 0.0)
+        is_felt = self._is_felt.moved(is_felt, self.window, window)
+        felt = self._felt.moved(felt, self.window, window)
+        if not is_felt.any():
+            return with_crests(now, crests)
+        return replace(now, heights=np.where(is_felt, felt, there.heights))
 
     # what a machine that maps for itself has seen
 

@@ -25,6 +25,7 @@ from .library import mujoco
 from .model import Built, build
 from .near_ground import SHARE, NearGround, lay, shares
 from .settings import Physics
+from .terrain import fill_field, holds_field
 
 _Floats = NDArray[np.float64]
 
@@ -110,7 +111,10 @@ class Bodies:
         state = self.state()
         kept = self.near is not None and not ground.relief  # boxes are only laid elsewhere
         self._put_on(ground)
-        if not kept:
+        if holds_field(self.built.model, ground):
+            fill_field(self.built.model, ground)
+            mujoco.mj_resetData(self.built.model, self.data)
+        elif not kept:
             self._compile(SHARE)
         self.restore(state)
 

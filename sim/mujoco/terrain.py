@@ -8,6 +8,7 @@ in one is a pit that begins half a cell too early.
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,6 +24,7 @@ RISE_MIN = 1e-3  # m from the lowest to the highest of a height field
 PIT = 1.0  # m, depth of a hole in a height field
 AWAY = 1e4  # m below, where a shape of a pool is before it is a box
 GROUND = 1  # contact bit
+FIELD = 0  # a field is the first of a model's shapes
 
 _Numbers = NDArray[np.intp]
 
@@ -84,8 +86,11 @@ def add_ground(spec: Any, ground: Ground, pool: int, contact: dict[str, Any]) ->
 
 def _solid(ground: Ground) -> Array:
     """Heights with a pit in place of every hole, m."""
+    holes = np.isnan(ground.heights)
+    if not holes.any():
+        return ground.heights
     low = np.fmin.reduce(ground.heights, axis=None)
-    return np.where(np.isnan(ground.heights), low - PIT, ground.heights)
+    return np.where(holes, low - PIT, ground.heights)
 
 
 def _base_and_rise(heights: Array) -> tuple[float, float]:
@@ -94,34 +99,55 @@ def _base_and_rise(heights: Array) -> tuple[float, float]:
     return base, max(float(heights.max()) - base, RISE_MIN)
 
 
+def _size_and_place(ground: Ground, base: float, tall: float) -> tuple[list[float], list[float]]:
+    """Half the sides of a field, its rise and its thickness, and where its middle is, m."""
+    rows, columns = ground.heights.shape
+    half_x = max((columns - 1) * ground.cell / 2, 1e-3)
+    half_y = max((rows - 1) * ground.cell / 2, 1e-3)
+    x, y = ground.origin
+    place = [x + ground.cell / 2 + half_x, y + ground.cell / 2 + half_y, base]
+    return [half_x, half_y, tall, THICK], place
+
+
+def holds_field(model: Any, ground: Ground) -> bool:
+    """True when a compiled model has a field of as many rows and columns as this ground."""
+    if not ground.relief or model.nhfield == 0:
+        return False
+    return (int(model.hfield_nrow[0]), int(model.hfield_ncol[0])) == ground.heights.shape
+
+
 def fill_field(model: Any, ground: Ground) -> None:
-    """Give the field of a compiled model its heights, from 0 to 1: a third of the time it takes to
-    hand them over one by one.
+    """Give the field of a compiled model the heights of this ground, from 0 to 1, its size and its
+    place: a fraction of the time it takes to hand them over one by one, or to compile anew.
     """
     heights = _solid(ground)
     base, tall = _base_and_rise(heights)
     shares = ((heights - base) / tall).astype(np.float32).ravel()
     highest = shares.max()
-    model.hfield_data[:] = shares / highest if highest > 0.0 else shares
+    model.hfield_data[:] = shares / highest if 0.0 < highest < 1.0 else shares
+    size, place = _size_and_place(ground, base, tall)
+    half_x, half_y = size[:2]
+    model.hfield_size[0] = size
+    model.geom_pos[FIELD] = place
+    # what the compiler makes of the size: an ellipsoid, a sphere and a box around the field
+    model.geom_size[FIELD] = half_x, half_y, 0.25 * tall + 0.5 * THICK
+    far = max(tall, THICK)
+    model.geom_rbound[FIELD] = math.sqrt(half_x * half_x + half_y * half_y + far * far)
+    middle, half = (tall - THICK) / 2, (tall + THICK) / 2
+    model.geom_aabb[FIELD] = 0.0, 0.0, middle, half_x, half_y, half
+    model.bvh_aabb[FIELD] = place[0], place[1], base + middle, half_x, half_y, half
 
 
 def _add_field(spec: Any, ground: Ground, contact: dict[str, Any]) -> None:
-    heights = _solid(ground)
-    base, tall = _base_and_rise(heights)
-    rows, columns = heights.shape
-    half_x = max((columns - 1) * ground.cell / 2, 1e-3)
-    half_y = max((rows - 1) * ground.cell / 2, 1e-3)
+    rows, columns = ground.heights.shape
+    size, place = _size_and_place(ground, *_base_and_rise(_solid(ground)))
     spec.add_hfield(
         name="relief",
         nrow=rows,
         ncol=columns,
-        size=[half_x, half_y, tall, THICK],
-        userdata=[0.0] * heights.size,  # ``fill_field``
+        size=size,
+        userdata=[0.0] * ground.heights.size,  # ``fill_field``
     )
-    x, y = ground.origin
     spec.worldbody.add_geom(
-        type=mujoco.mjtGeom.mjGEOM_HFIELD,
-        hfieldname="relief",
-        pos=[x + ground.cell / 2 + half_x, y + ground.cell / 2 + half_y, base],
-        **contact,
+        type=mujoco.mjtGeom.mjGEOM_HFIELD, hfieldname="relief", pos=place, **contact
     )

@@ -30,17 +30,24 @@ class Layer:
         self.usual = usual
         self._tiles: dict[TileNumber, NDArray[Any]] = {}
 
+    @property
+    def is_usual(self) -> bool:
+        """True when nothing else is kept of any tile."""
+        return not self._tiles
+
     def moved(self, values: NDArray[Any], window: Window, to: Window) -> NDArray[Any]:
         """What another window of whole tiles holds, an array of the caller's own; ``values`` are
         those of this one, of which the tiles that are left behind are kept.
         """
         shared = common(window, to)
+        rows, columns = (side.stop - side.start for side in to)
+        there = np.full((rows, columns), self.usual, dtype=values.dtype)
+        if self.is_usual and _is_all(values, self.usual):
+            return there
         for place in tiles_beside(window, shared):
             tile = values[within(cut_to(place.window, self.shape), window)]
             if not _is_all(tile, self.usual):
                 self._tiles[place] = tile.copy()
-        rows, columns = (side.stop - side.start for side in to)
-        there = np.full((rows, columns), self.usual, dtype=values.dtype)
         there[within(shared, to)] = values[within(shared, window)]
         self.lay_over(there, to)
         for place in tiles_beside(to, shared):
@@ -122,14 +129,12 @@ class TileFacts:
         rows, columns = (side.stop - side.start for side in window)
         tiles = tiles_in(window)
         found = [self._found.get(place) or self.work_out(place) for place in tiles]
-        across = tiles[-1].column - tiles[0].column + 1
-        heights, forbidden, crests = (
-            _side_by_side(part, across)[:rows, :columns] for part in zip(*found, strict=True)
-        )
+        heights, forbidden, crests = zip(*found, strict=True)
+        shape = rows, columns
         return (
-            heights.astype(np.float64),
-            np.ascontiguousarray(forbidden),
-            crests.astype(np.float64),
+            _side_by_side(heights, shape, np.float64),
+            _side_by_side(forbidden, shape, np.bool_),
+            _side_by_side(crests, shape, np.float64),
         )
 
     def prohibited(self, window: Window) -> NDArray[np.bool_]:
@@ -166,10 +171,16 @@ def _whole_tile(values: NDArray[Any], beyond: float) -> NDArray[Any]:
     return np.pad(values, ((0, TILE - rows), (0, TILE - columns)), constant_values=beyond)
 
 
-def _side_by_side(tiles: Sequence[NDArray[Any]], across: int) -> NDArray[Any]:
-    """Tiles, row by row and so many in a row, as one array."""
-    grid = np.stack(tiles).reshape(-1, across, TILE, TILE)
-    return grid.transpose(0, 2, 1, 3).reshape(-1, across * TILE)
+def _side_by_side(
+    tiles: Sequence[NDArray[Any]], shape: tuple[int, int], kind: type[Any]
+) -> NDArray[Any]:
+    """Tiles, row by row, as one array of its own of this shape, which the last may reach beyond."""
+    rows, columns = shape
+    down, across = -(-rows // TILE), -(-columns // TILE)
+    there = np.empty((down * TILE, across * TILE), dtype=kind)
+    grid = np.stack(tiles).reshape(down, across, TILE, TILE)
+    there.reshape(down, TILE, across, TILE)[...] = grid.transpose(0, 2, 1, 3)
+    return there if there.shape == shape else there[:rows, :columns].copy()
 
 
 def _is_all(tile: NDArray[Any], value: Any) -> bool:

@@ -200,14 +200,26 @@ def cut_to(window: Window, shape: tuple[int, int]) -> Window:
 
 def tiles_in(window: Window) -> list[TileNumber]:
     """The tiles that have cells in a window, row by row."""
-    rows, columns = (range(side.start // TILE, -(-side.stop // TILE)) for side in window)
+    rows, columns = _numbers(window)
     return [TileNumber(row, column) for row in rows for column in columns]
 
 
 def tiles_beside(window: Window, other: Window) -> list[TileNumber]:
     """The tiles of a window of whole tiles that are not in another one."""
-    rows, columns = (range(side.start // TILE, -(-side.stop // TILE)) for side in other)
-    return [p for p in tiles_in(window) if p.row not in rows or p.column not in columns]
+    rows, columns = _numbers(window)
+    other_rows, other_columns = _numbers(other)
+    aside = [column for column in columns if column not in other_columns]
+    return [
+        TileNumber(row, column)
+        for row in rows
+        for column in (aside if row in other_rows else columns)
+    ]
+
+
+def _numbers(window: Window) -> tuple[range, range]:
+    """Rows and columns of the tiles that have cells in a window."""
+    rows, columns = (range(side.start // TILE, -(-side.stop // TILE)) for side in window)
+    return rows, columns
 
 
 def tiles_of(rows: Index, columns: Index) -> list[tuple[TileNumber, Index]]:

@@ -53,6 +53,36 @@ def test_a_state_is_gone_on_from_to_the_last_bit():
     assert np.array_equal(one.state(), other.state())
 
 
+def test_other_relief_of_the_same_size_is_to_the_last_bit_what_a_model_of_its_own_makes_of_it():
+    y, x = np.mgrid[0:80, 0:80] * 0.05
+    before = Ground(0.03 * np.sin(3.0 * x) * np.cos(2.0 * y), 0.05, (-2.0, -2.0), relief=True)
+    after = Ground(0.05 * np.cos(2.0 * x + y) - 0.02, 0.05, (-1.9, -2.2), relief=True)
+    one, other = (Bodies(TITAN, ground, Physics()) for ground in (before, after))
+    one.place((0.0, 0.0, TITAN.height + 0.05, 0.0), JOINTS)
+    for _ in range(10):
+        one.run(FLAT, FLAT, np.zeros(12))
+    other.restore(one.state())
+    model = one.built.model
+    one.rebuild(after)
+    assert one.built.model is model
+    for name in ("hfield_data", "hfield_size", "geom_pos", "geom_size", "geom_rbound"):
+        assert np.array_equal(getattr(model, name), getattr(other.built.model, name)), name
+    for name in ("geom_aabb", "bvh_aabb"):
+        assert np.array_equal(getattr(model, name), getattr(other.built.model, name)), name
+    for bodies in (one, other):
+        for _ in range(50):
+            bodies.run(FLAT, FLAT, np.zeros(12))
+    assert np.array_equal(one.state(), other.state())
+
+
+def test_relief_of_another_size_is_another_model():
+    bodies = standing()
+    slope = np.add.outer(np.zeros(60), 0.001 * np.arange(80))
+    for rows in (60, 50):
+        bodies.rebuild(Ground(slope[:rows], 0.05, (-1.5, -2.0), relief=True))
+        assert int(bodies.built.model.hfield_nrow[0]) == rows
+
+
 def test_a_state_of_another_machine_is_refused():
     with pytest.raises(ValueError, match="a state of this machine has [0-9]+ numbers, got 3"):
         standing().restore(np.zeros(3))
