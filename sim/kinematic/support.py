@@ -67,24 +67,22 @@ class Support:
         for leg in q.carrying:
             q.soles[leg] = True
             q.whiskers[leg] = 0
-        before = self._polygon
         polygon = self._polygon_now()
-        if polygon is not before:
-            self.edges = [
-                (ay - by, bx - ax, (bx - ax) * ay - (by - ay) * ax - ROUNDING)
-                for (ax, ay), (bx, by) in zip(polygon, (*polygon[1:], *polygon[:1]), strict=True)
-            ]
         self._slope = self._mean_slope()
         steep = math.hypot(*self._slope) > STEEP * q.machine.friction
         disturbed = q.push_ticks or steep or q.contact.sliding or falling
         self.quiet = len(polygon) > 2 and not disturbed
 
     def _polygon_now(self) -> Polygon:
-        """The support polygon; the same object while the same places carry."""
+        """The support polygon, which its edges go with; one object while the same places carry."""
         places = [(foot[0], foot[1]) for foot in map(self.q.feet.__getitem__, self.q.carrying)]
         if places != self._places:
             self._places = places
-            self._polygon = support_polygon(places)
+            self._polygon = polygon = support_polygon(places)
+            self.edges = [
+                (ay - by, bx - ax, (bx - ax) * ay - (by - ay) * ax - ROUNDING)
+                for (ax, ay), (bx, by) in zip(polygon, (*polygon[1:], *polygon[:1]), strict=True)
+            ]
         return self._polygon
 
     def _mean_slope(self) -> XY:

@@ -38,6 +38,16 @@ def test_edges_and_slope_are_worked_out_anew_only_where_other_places_carry(monke
     assert len(looked) == 5
 
 
+def test_the_edges_are_of_the_feet_that_carry_though_the_body_was_laid_on_them_before():
+    plant = standing()
+    feet = plant._support
+    edges = feet.edges
+    plant.q.feet[1][0] -= 0.05
+    feet.rest()
+    feet.take_stock()
+    assert feet.edges != edges
+
+
 class TestFeetThatFight:
     def test_a_leg_pulled_aside_a_little_gives_and_its_foot_stays(self):
         plant = standing()
