@@ -80,13 +80,6 @@ def _centre_of_links(machine: Machine, feet_b: Sequence[Point]) -> Point:
     return x / whole, y / whole, z / whole
 
 
-def mass_is_at_feet(machine: Machine) -> bool:
-    """True of a machine whose legs' masses are all at their feet: its centre of gravity is a mean
-    of places, and any leg's joints make no odds to it.
-    """
-    return machine.mass_at_feet is not None
-
-
 def zero_moment_point(centre: XY, height: float, acceleration: XY) -> XY:
     """Where feet must push for a centre of gravity so far above them, m, to speed up so, m/s²."""
     lever = height / GRAVITY

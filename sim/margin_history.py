@@ -16,7 +16,7 @@ from walking_console.planner import stability
 from walking_console.planner.geometry.polygons import Polygon
 from walking_console.planner.geometry.transforms import direction, left_fold_sum, rotation
 from walking_console.planner.robot.model import Machine
-from walking_console.planner.statics import centre_of_gravity, mass_is_at_feet
+from walking_console.planner.statics import centre_of_gravity
 
 _Floats = NDArray[np.float64]
 _Bools = NDArray[np.bool_]
@@ -88,7 +88,7 @@ def _centres(machine: Machine, feet_b: list[_Floats]) -> _Floats:
     """``centre_of_gravity`` row by row, for every leg's foot (T, 3): for all rows at once where it
     asks for nothing but sums.
     """
-    if mass_is_at_feet(machine):
+    if machine.mass_at_feet is not None:
         columns = [(foot[:, 0], foot[:, 1], foot[:, 2]) for foot in feet_b]
         return np.stack(centre_of_gravity(machine, columns), axis=1)  # type: ignore[arg-type]
     rows = np.stack(feet_b, axis=1).tolist()

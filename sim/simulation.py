@@ -176,8 +176,7 @@ class Simulation:
             perception.learn(walk.contacts.take_felt())
         if perception.mapper is not None:
             perception.perceive(sensing, walk, plant.body, self.command, self.tick_count)
-        if perception.wide is not None:
-            perception.keep_up(plant, walk)
+        perception.keep_up(plant, walk)
         self.tick_count += 1
 
     def _newest_command(self) -> Command:

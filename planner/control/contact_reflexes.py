@@ -55,20 +55,18 @@ class ContactReflexes:
     def is_surprised(self, now: Now) -> bool:
         """One tick of a plan: begins an encounter when a foot meets what the map does not show."""
         touch = self._feelers.surprise(now.sensing, now.terrain)
-        if touch is not None:
-            self._meet(touch, self._run.in_the_air(), now)
-            return True
-        leg = self._footholds.gone(now.sensing)
-        return leg is not None and self._lose(leg, now)
+        if touch is None:
+            return self.loses_a_foothold(now)
+        self._meet(touch, self._run.in_the_air(), now)
+        return True
 
     def loses_a_foothold(self, now: Now) -> bool:
         """Case 3 under a leg that carries: legs in the air are put down first, then it is seen
         to.
         """
         leg = self._footholds.gone(now.sensing)
-        return leg is not None and self._lose(leg, now)
-
-    def _lose(self, leg: int, now: Now) -> bool:
+        if leg is None:
+            return False
         self._lessons.gave_way(feet_absolute(now.sensing)[leg], now.terrain)
         lifted = self._run.stance.lifted if self._state.stands else ()
         airborne = self._run.in_the_air() or list(lifted)

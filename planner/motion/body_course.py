@@ -58,7 +58,7 @@ class SwayAxes:
         self.turning = turning  # rad per metre of the reference's length
         self.carries_along = carries_along  # by which the centre of gravity goes with the body
         self.aside = aside  # rad, from the course to the direction in which the body sways
-        self._side = direction(begins + turning * 0.0 + aside)
+        self._side = direction(begins + aside)
         self._leverage = self._side[0] * carries_along, self._side[1] * carries_along
 
     def towards(self, aside: float) -> SwayAxes:
