@@ -1,4 +1,6 @@
-"""``walking-console bench``: how fast this machine plans and walks, and against another time."""
+"""``walking-console bench``: how fast this machine plans, walks and answers a hand, and against
+another time.
+"""
 
 from __future__ import annotations
 
@@ -76,8 +78,12 @@ def bench(
 def _figures() -> dict[str, Any]:
     from walking_console.sim.runs.benchmark import measure
 
-    with one_clear_line():
-        return measure()
+    from . import stick_latency
+
+    with one_clear_line(), terminal.status("measuring"):
+        measured = measure()
+        measured["figures"] |= stick_latency.figures()
+    return measured
 
 
 def _timed_walks(only: list[str], seconds: float | None) -> dict[str, Any]:

@@ -414,7 +414,7 @@ PACE_DRAWING = """
 
 DRAW_PLAINLY = """
 (() => {
-  // Where fewer pixels are asked for a processor draws them: smooth edges would take it as long again.
+  // Where fewer pixels are asked for, a processor draws them: smooth edges take it as long again.
   if (!new URLSearchParams(location.search).has("fixedDpr")) return;
   const get = HTMLCanvasElement.prototype.getContext;
   HTMLCanvasElement.prototype.getContext = function (kind, options) {

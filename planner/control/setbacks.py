@@ -70,6 +70,12 @@ class Setbacks:
         if self._steps >= self._steps_max:
             self.why = Blocked(Reason.MARKING_TIME, facts={"steps": self._steps, "bar": ""})
 
+    def let_go(self) -> None:
+        """The hand lets go: a step that it cuts short leads nowhere for no other reason, and steps
+        are counted anew.
+        """
+        self._steps = 0
+
     def heed(self, command: Command) -> None:
         """Another course is another attempt."""
         if command.holds or _same_course(command, self._command):

@@ -114,6 +114,8 @@ class WalkState:
         One whose sole is on stands already.
         """
         run = self.run
+        if now.holds:
+            self.setbacks.let_go()
         here = self.brought_to_rest(now, at_once=True)
         airborne = run.in_the_air()
         if airborne and lands_first(run, self._braking):

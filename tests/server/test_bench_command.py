@@ -7,10 +7,13 @@ import pytest
 from click.testing import Result
 from typer.testing import CliRunner
 
-from walking_console.server import bench_command
+from walking_console.server import bench_command, stick_latency
 from walking_console.server.cli import app
 from walking_console.sim.plants import PlantEntry, PlantMissing
+from walking_console.sim.runs import benchmark
 from walking_console.sim.runs.tick_times import SENSINGS
+
+MADE_WITH = {"version": "1", "python": "3"}
 
 
 def called(*words: object) -> Result:
@@ -79,3 +82,14 @@ def test_plants_that_are_not_installed_are_not_walked_on(monkeypatch: pytest.Mon
     entries = {name: PlantEntry(print, check or (lambda: None)) for name, check in plants.items()}
     monkeypatch.setattr(bench_command, "PLANTS", entries)
     assert bench_command.installed_plants() == ["there"]
+
+
+def test_without_walks_it_tells_the_planner_and_the_hand(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    figure = {"value": 1.0, "unit": "ms", "target": ""}
+    monkeypatch.setattr(benchmark, "measure", lambda: {**MADE_WITH, "figures": {"a tick": figure}})
+    monkeypatch.setattr(stick_latency, "figures", lambda: {"a push": figure})
+    out = tmp_path / "figures.json"
+    assert called("--json", out).exit_code == 0
+    assert list(json.loads(out.read_text())["figures"]) == ["a tick", "a push"]

@@ -19,8 +19,8 @@ LATE_BY = "new Promise(done => { const began = performance.now(); const look = (
  document.body.classList.contains('late') ? done(performance.now() - began)\
  : setTimeout(look, 20); look(); })"
 
-# A page that stands still for too long lets its keys go: here W is pressed again, if need be, in the
-# moment in which the mouse is.
+# A page that stands still for too long lets its keys go: here W is pressed again, if need be, in
+# the moment in which the mouse is.
 HELD_AT_THE_PRESS = """addEventListener("pointerdown",
  () => document.dispatchEvent(new KeyboardEvent("keydown", {code: "KeyW"})),
  {capture: true, once: true})"""

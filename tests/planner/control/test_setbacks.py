@@ -53,6 +53,14 @@ def test_two_steps_a_leg_that_take_the_body_nowhere_are_too_many():
     assert why is not None and why.reason is Reason.MARKING_TIME
 
 
+def test_a_step_that_its_hand_cuts_short_is_none_of_these():
+    setbacks = stepped()
+    for _ in range(50):
+        setbacks.note_step((1.0, 0.0, 0.7, 0.0), AHEAD)
+        setbacks.let_go()
+    assert setbacks.why is None
+
+
 def test_steps_that_go_or_turn_are_none_of_these():
     assert stepped(*((0.06 * k, 0.0) for k in range(50))).why is None
     assert stepped(*((0.0, 0.1 * k) for k in range(50))).why is None
