@@ -93,10 +93,11 @@ export class ViserFrame {
 
 /** Fewer pixels where no graphics card draws them: the page's thread waits for each. */
 function sceneAddress() {
+  const sharp = new URLSearchParams(location.search).has("sharp");
+  if (sharp || !isDrawnBySoftware()) return "view/";
   const pixels = window.innerWidth * window.innerHeight;
   const share = Math.max(Math.sqrt(SOFTWARE_PIXELS / pixels), COARSEST);
-  const sharp = share > 1 || new URLSearchParams(location.search).has("sharp");
-  return sharp || !isDrawnBySoftware() ? "view/" : `view/?fixedDpr=${share.toFixed(2)}`;
+  return `view/?fixedDpr=${Math.min(share, window.devicePixelRatio).toFixed(2)}`;
 }
 
 function isDrawnBySoftware() {
