@@ -125,7 +125,8 @@ class Stance:
     lookahead's guard against walking on the spot). ``lean`` is the gradient of the body's floor
     along absolute x and y; (0, 0) is level. ``body`` is on the reference (L_G, or the trace), from
     which steps are decided; the body itself is ``sway`` beside it, along its floor, and goes at
-    ``velocity``. Metres, seconds and radians, absolute frame.
+    ``velocity``. ``kept_down`` are legs that the step from here is not to lift. Metres, seconds and
+    radians, absolute frame.
 
     >>> from walking_console import Stance
     >>> feet = ((0.5, 0.4, 0.0), (-0.5, 0.4, 0.0), (-0.5, -0.4, 0.0), (0.5, -0.4, 0.0))
@@ -145,6 +146,7 @@ class Stance:
     sway: tuple[float, float] = (0.0, 0.0)  # x, y of the body from the reference, m
     velocity: tuple[float, float] = (0.0, 0.0)  # of the body, m/s
     held_course: HeldCourse | None = None
+    kept_down: tuple[int, ...] = ()
 
     @property
     def place(self) -> tuple[float, float, float, float]:

@@ -101,6 +101,7 @@ class Posture:
     s: float
     feet: tuple[XY, ...]  # legs of the gait frame, relative to the CoG
     last: int  # leg that swung last, -1 for none
+    kept_down: tuple[int, ...] = ()  # legs that are not to lift from here
 
     @lazy
     def exits(self) -> tuple[float, ...]:
@@ -169,7 +170,8 @@ def posture_of(nominal: NominalGait, stance: Stance) -> Posture:
         dy = py - y
         feet.append((c * dx + s * dy, c * dy - s * dx))
     last = (stance.last_swing - nominal.quarter_turns) % 4 if stance.last_swing >= 0 else -1
-    return Posture(nominal, x, y, c, s, tuple(feet), last)
+    kept = tuple([nominal.body_leg.index(leg) for leg in stance.kept_down])
+    return Posture(nominal, x, y, c, s, tuple(feet), last, kept)
 
 
 # the gait on a line and on an arc

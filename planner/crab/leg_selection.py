@@ -82,6 +82,8 @@ def shift_of(posture: Posture, leg: int, margin: float | None = None) -> Shift |
     exits = posture.exits
     i, j, k = OTHERS[leg]
     s0 = nominal.order.margin if margin is None else margin
+    if leg in posture.kept_down:
+        return StepRefusal.KEPT_DOWN
     low, high = stretch_without(posture, leg)
     if low > high:
         return MISSES
@@ -111,6 +113,8 @@ def free_shift(
     """
     exits = posture.exits
     i, j, k = OTHERS[leg]
+    if leg in posture.kept_down:
+        return StepRefusal.KEPT_DOWN
     low, high = stable_on(posture.nominal.path, triangle_of(posture, leg), inset)
     if low > high:
         return MISSES

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from functools import partial
 
 from ..motion.body_sway import swaying
+from ..motion.leg_choice import on_surer_legs
 from ..motion.steady_course import holding, steadied
 from ..navigation.local_planner import LocalPlanner, RouteState
 from ..protocols import (
@@ -89,13 +90,13 @@ class CrabPlanner(Planner):
         if not turns(command, self._machine):
             command, held = steadied(command, stance, self._machine)
         stance = holding(stance, held)
-        job = self._plan(stance, command, terrain)
-        return self._swaying(job, stance, command, terrain) if self._gait.sways else job
+        if not self._gait.sways:
+            return self._plan(stance, command, terrain)
+        swayed = partial(self._swayed, command, terrain)
+        return on_surer_legs(swayed, stance, self._gait) if self._slopes else swayed(stance)
 
-    def _swaying(
-        self, job: PlanningJob, stance: Stance, command: Command, terrain: TerrainMap
-    ) -> PlanningJob:
-        answer = yield from job
+    def _swayed(self, command: Command, terrain: TerrainMap, stance: Stance) -> PlanningJob:
+        answer = yield from self._plan(stance, command, terrain)
         if isinstance(answer, Blocked):
             return answer
         ahead = expected_supports(answer, command, self._machine, self._gait)

@@ -15,7 +15,7 @@ from ..decision_log import DecisionLog
 from ..geometry.paths import arc_exit, corners_of_box, line_exit
 from ..geometry.transforms import XY, turned_back
 from ..motion.quarter_turns import quarter_turned
-from ..motion.step_builder import plan_of_one_foot, shift_plan
+from ..motion.step_builder import plan_of_one_foot, shift_plan, with_feet
 from ..motion.strides import STRETCHED_LIFT_ROOM
 from ..motion.swing import SwingCorners, lift, profile_of
 from ..motion.timing import (
@@ -73,7 +73,9 @@ def build(
     leg = nominal.body_leg[step.leg]
     landing = checks.foot_at(step.landing)
     way = BodyWay(stance.body, (posture.c, posture.s), nominal.path, step.g, height)
-    corners = _corners_of(checks, step, landing, height)
+    crest = checks.crest(step.leg, step.landing)
+    lifts = stance.feet[leg], landing, crest, checks.ceiling(height), height
+    corners = lift(*lifts, checks.machine, checks.gait)
     clock = _clock(checks, step, way, corners, speed)
     rows, phases = knots(clock, profile_of(checks.gait), way, step.g0, corners)
     if log is not None:
@@ -100,20 +102,10 @@ def build(
 def _end_of(checks: FootholdChecks, step: SwingStep, landing: Point, way: BodyWay) -> Stance:
     nominal = checks.nominal
     leg = nominal.body_leg[step.leg]
-    feet = list(checks.stance.feet)
-    feet[leg] = landing
+    feet = with_feet(checks.stance.feet, {leg: landing})
     course = checks.stance.course + step.g
     held = checks.stance.held_course
-    return Stance(way.end, tuple(feet), leg, nominal.quarter_turns, (), course, held_course=held)
-
-
-def _corners_of(
-    checks: FootholdChecks, step: SwingStep, landing: Point, height: float
-) -> SwingCorners:
-    foot = checks.stance.feet[checks.nominal.body_leg[step.leg]]
-    crest = checks.crest(step.leg, step.landing)
-    ceiling = checks.ceiling(height)
-    return lift(foot, landing, crest, ceiling, height, checks.machine, checks.gait)
+    return Stance(way.end, feet, leg, nominal.quarter_turns, (), course, held_course=held)
 
 
 def body_shift_plan(

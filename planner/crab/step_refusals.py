@@ -17,6 +17,7 @@ class StepRefusal(Enum):
         "its reach"
     )
     UNCARRIED = "the centre of gravity would leave the feet on the way into the triangle"
+    KEPT_DOWN = "the body cannot be led far enough over the other feet before it lifts"
     NO_FOOTHOLD = "no foothold in the search domain"
     NONE_IN_REACH = "no foothold in reach"
     NOTHING = "the step would change nothing"
