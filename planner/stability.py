@@ -161,6 +161,22 @@ def polygon_margin(polygon: Polygon, x: float, y: float) -> float:
     return least
 
 
+def least_polygon_margin(polygon: Polygon, places: Sequence[XY]) -> float:
+    """The least ``polygon_margin`` of some places, m; infinite of none."""
+    if len(polygon) < 3:
+        return -math.inf if places else math.inf
+    least = math.inf
+    ax, ay = polygon[-1]
+    for bx, by in polygon:
+        ex = bx - ax
+        ey = by - ay
+        deep = min([ex * (y - ay) - ey * (x - ax) for x, y in places], default=math.inf)
+        least = min(least, deep / math.sqrt(ex * ex + ey * ey))
+        ax = bx
+        ay = by
+    return least
+
+
 def polygon_margin_on(path: ArcPath, polygon: Polygon, begin: float, end: float) -> float:
     """Least polygon margin of the CoG between two s of a path, m, looked at both and ``LOOKS``
     times in between.

@@ -259,8 +259,11 @@ def _stretch(plan: StepPlan, k: int, knots: _Knots, lifted: Collection[int]) -> 
     per_second = 1.0 / duration if duration > 0.0 else 0.0
     x, y, z, yaw = body[k]
     rate = _mean_rate(body[k], body[k + 1], per_second)
-    rows = [_row(a, b, per_second) for a, b in zip(here, there, strict=True)]
-    ground = left_fold_sum([rows[leg][2] for leg in stand]) / len(stand) if stand else 0.0
+    rows = [
+        (a[0], a[1], a[2], 0.0, 0.0, 0.0) if a == b else _row(a, b, per_second)
+        for a, b in zip(here, there, strict=True)
+    ]
+    ground = left_fold_sum([here[leg][2] for leg in stand]) / len(stand) if stand else 0.0
     bend: Bend | None = None
     if rates is not None and duration > 0.0 and not rates[k] == rate == rates[k + 1]:
         bend = _bend(rate, duration, rates[k], rates[k + 1])
@@ -399,9 +402,7 @@ def _mean_rate(begin: list[float], end: list[float], per_second: float) -> Four:
 
 
 def _row(a: list[float], b: list[float], per_second: float) -> FootRow:
-    """Where a foot begins, and its velocity."""
-    if a == b:
-        return a[0], a[1], a[2], 0.0, 0.0, 0.0
+    """Where a foot that moves begins, and its velocity."""
     return (
         a[0],
         a[1],

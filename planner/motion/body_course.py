@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections.abc import Collection, Sequence
+from functools import cached_property
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -34,11 +35,13 @@ FLAT_MIN = 0.3  # of way over the ground per metre of a reference; one with less
 
 
 class Moment(NamedTuple):
-    """An instant of a step: how far the reference has come, where the centre of gravity is from the
-    body then, absolute axes, the feet that stand, in leg order, and how the body leans.
+    """An instant of a step: how far the reference has come and where it has the body, where the
+    centre of gravity is from that then, absolute axes, the feet that stand, in leg order, and how
+    the body leans.
     """
 
     length: float
+    body: Body
     centre: XY
     feet: Sequence[Point | None]
     lean: Lean
@@ -101,14 +104,12 @@ class Course:
         lengths = _lengths(reference)
         kept = [0, len(lengths) - 1] if _is_even(reference, lengths) else _apart(lengths)
         self.reference = [reference[k] for k in kept]
+        self.turns = any(body[3] != reference[0][3] for body in self.reference)  # on its way
         self.crab_angle = crab_angle
         self.before, self.after = polygons  # of the feet that carry before, and after, a leg lifts
         self.lengths = [lengths[k] for k in kept]
         self.lift_length = lengths[lift]  # behind the body when a leg lifts, m
-        slopes = _slopes(self.reference, self.lengths)
-        means = _per_metre(self.reference, self.lengths)
-        # of every stretch: way along x and y per metre at its ends, and of x, y, z and yaw between
-        self._rates = list(zip(slopes, slopes[1:], means, strict=False))
+        self._stretches = _stretches(self.reference, self.lengths)
         begins = self.heading(0.0)
         turn = math.remainder(self.heading(self.length) - begins, 2.0 * math.pi)
         self.sway = SwayAxes(begins, turn / max(self.length, STILL), carries_along)
@@ -135,13 +136,13 @@ class Course:
         if first is not None:
             swinging = support_polygon(stance.feet[leg] for leg in legs if leg not in plan.swing)
         reference = [(b[0], b[1], b[2], b[3]) for b in plan.body.tolist()]
-        feet = plan.feet.tolist()
         lift = first or 0
         leans = _leans(plan, lift)
-        lifting = centre_over(machine, reference[lift], feet[lift], leans[1])
-        centres = lifting, centre_over(machine, reference[-1], feet[-1], leans[2])
+        feet = plan.feet[lift].tolist()
+        lifting = centre_over(machine, reference[lift], feet, leans[1])
+        centres = lifting, centre_over(machine, reference[-1], plan.feet[-1].tolist(), leans[2])
         lifts = len(plan.phases) if first is None else first
-        share = _carried_along(machine, reference[lift], feet[lift], (lifting, leans[1]))
+        share = _carried_along(machine, reference[lift], feet, (lifting, leans[1]))
         on = _feet_but(stance, stance.lifted), _feet_but(stance, plan.swing)
         polygons = standing, swinging
         room = SwayRoom.about(stance, machine, terrain)
@@ -172,11 +173,15 @@ class Course:
 
     def motion(self, length: float) -> tuple[Body, Body]:
         """Both of these at once."""
-        k, share = self._stretch(length)
-        ax, ay, az, ayaw = self.reference[k]
-        bx, by, bz, byaw = self.reference[k + 1]
-        (sx, sy), (ex, ey), (onward, left_on, climb, turn) = self._rates[k]
-        way = self.lengths[k + 1] - self.lengths[k]
+        stretches = self._stretches
+        k = 0
+        if len(stretches) > 1:
+            k = min(max(bisect_right(self.lengths, length) - 1, 0), len(stretches) - 1)
+        begin, way, place, change, (sx, sy), (ex, ey), mean = stretches[k]
+        x, y, z, yaw = place
+        dx, dy, climbed, turned = change
+        onward, left_on, climb, turn = mean
+        share = min(max((length - begin) / max(way, STILL), 0.0), 1.0)
         left = 1.0 - share
         ends = share * share * (1.0 + 2.0 * left)
         out = share * left * left * way
@@ -184,13 +189,12 @@ class Course:
         middle = 6.0 * share * left
         first = left * (left - 2.0 * share)
         last = share * (share - 2.0 * left)
-        place = (
-            ax + ends * (bx - ax) + out * sx + back * ex,
-            ay + ends * (by - ay) + out * sy + back * ey,
-            az + share * (bz - az),
-            ayaw + share * (byaw - ayaw),
-        )
-        return place, (
+        return (
+            x + ends * dx + out * sx + back * ex,
+            y + ends * dy + out * sy + back * ey,
+            z + share * climbed,
+            yaw + share * turned,
+        ), (
             middle * onward + first * sx + last * ex,
             middle * left_on + first * sy + last * ey,
             climb,
@@ -211,25 +215,28 @@ class Course:
 
     def lifting(self, length: float) -> Moment:
         """A leg lifts after a length of the reference."""
-        way = self._lifts_at, self.at(length)
-        centre = _left_behind(self.centres[0], *way, self.sway.carries_along)
-        return Moment(length, centre, self._standing[0], self.leans[1])
+        body = self.at(length)
+        centre = _left_behind(self.centres[0], self._lifts_at, body, self.sway.carries_along)
+        return Moment(length, body, centre, self._standing[0], self.leans[1])
 
     def halfway(self, length: float) -> Moment:
         """A leg is halfway in the air after a length of the reference."""
         (ax, ay), (bx, by) = self.centres
         centre = (ax + bx) / 2.0, (ay + by) / 2.0
-        return Moment(length, centre, self._standing[1], self.leans[2])
+        return Moment(length, self.at(length), centre, self._standing[1], self.leans[2])
 
-    @property
+    @cached_property
     def landing(self) -> Moment:
         """The step ends, and with it a leg's swing."""
-        return Moment(self.length, self.centres[1], self._standing[1], self.leans[2])
+        return self._end(self._standing[1])
 
     @property
     def shifted(self) -> Moment:
         """The step ends in which no leg has lifted."""
-        return Moment(self.length, self.centres[1], self._standing[0], self.leans[2])
+        return self._end(self._standing[0])
+
+    def _end(self, standing: Sequence[Point | None]) -> Moment:
+        return Moment(self.length, self.at(self.length), self.centres[1], standing, self.leans[2])
 
     def bounds_at(self, when: Moment, polygon: Polygon, margin: float, along: float = 0.0) -> XY:
         """The offsets at which the body keeps a margin in a polygon, when it is so far ``along``
@@ -252,7 +259,7 @@ class Course:
         """The offsets at which every foot that stands is within its leg's mechanical reach, and no
         leg nor the torso in something tall.
         """
-        x, y, z, yaw = self.at(when.length)
+        x, y, z, yaw = when.body
         sx, sy = side = self.sway.side(when.length)
         lx, ly = when.lean
         body = x + along * sy, y - along * sx, z + along * (lx * sy - ly * sx), yaw
@@ -263,6 +270,12 @@ class Course:
         its leg's mechanical reach with the body there, m; negative inside.
         """
         return self._room.beyond(body, self._standing[lifted], lean)
+
+    def keeps_within(self, bodies: Sequence[Body], lifted: bool, spare: float) -> bool:
+        """True when these feet are all within reach, by at least ``spare``, m, with a level body
+        at any of some places, where it faces one way.
+        """
+        return self._room.keeps_within(bodies, self._standing[lifted], spare)
 
     @property
     def is_among_tall(self) -> bool:
@@ -285,7 +298,7 @@ class Course:
 
     def weight_at(self, when: Moment, aside: float, along: float) -> XY:
         """Where the centre of gravity is above, with the body so far beside the reference."""
-        x, y, _, _ = self.at(when.length)
+        x, y, _, _ = when.body
         sx, sy = self.sway.leverage(when.length)
         return (
             x + when.centre[0] + aside * sx + along * sy,
@@ -322,17 +335,6 @@ class Course:
         low, high = self.bounds_at(when, self.after, OFFSET_MAX)
         least = self.margin_at(when, low, 0.0)
         return least if low == high else max(least, self.margin_at(when, high, 0.0))
-
-    def _stretch(self, length: float) -> tuple[int, float]:
-        """The stretch a place lies on, and its share behind it."""
-        lengths = self.lengths
-        last = len(lengths) - 2
-        k = min(max(bisect_right(lengths, length) - 1, 0), last) if last else 0
-        begin = lengths[k]
-        share = (length - begin) / max(lengths[k + 1] - begin, STILL)
-        if share <= 0.0:
-            return k, 0.0
-        return k, share if share < 1.0 else 1.0
 
 
 def centre_over(
@@ -416,13 +418,28 @@ def _lengths(body: Sequence[Body]) -> list[float]:
     return out
 
 
-def _per_metre(reference: Sequence[Body], lengths: Sequence[float]) -> list[Body]:
-    """Change of x, y, z and yaw per metre on every stretch of the reference, in the mean."""
+class _Stretch(NamedTuple):
+    """From one place of a reference to the next."""
+
+    begin: float  # of the reference's length, m
+    way: float  # m
+    body: Body  # where it begins
+    change: Body  # of x, y, z and yaw
+    sets_out: XY  # way along x and y per metre where it begins
+    comes_in: XY  # and where it ends
+    mean: Body  # change of x, y, z and yaw per metre
+
+
+def _stretches(reference: Sequence[Body], lengths: Sequence[float]) -> list[_Stretch]:
+    """All of a reference."""
+    slopes = _slopes(reference, lengths)
     out = []
-    for k in range(len(lengths) - 1):
-        way = max(lengths[k + 1] - lengths[k], STILL)
-        x, y, z, yaw = ((q - p) / way for p, q in zip(*reference[k : k + 2], strict=True))
-        out.append((x, y, z, yaw))
+    for k, ((x, y, z, yaw), (ex, ey, ez, eyaw)) in enumerate(pairwise(reference)):
+        way = lengths[k + 1] - lengths[k]
+        dx, dy, climb, turn = change = (ex - x, ey - y, ez - z, eyaw - yaw)
+        length = max(way, STILL)
+        mean = dx / length, dy / length, climb / length, turn / length
+        out.append(_Stretch(lengths[k], way, reference[k], change, slopes[k], slopes[k + 1], mean))
     return out
 
 

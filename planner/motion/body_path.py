@@ -210,45 +210,39 @@ def monotone_rates(
 
 def at(knots: Sequence[Knot], time: float) -> Knot:
     """Value and rate of the cubic through the knots at a time; held beyond the last."""
-    if time <= knots[0].time:
-        return knots[0]
-    if time > knots[-1].time + ROUNDING:
-        return Knot(time, knots[-1].value, 0.0)
-    if time >= knots[-1].time:
-        return knots[-1]
-    k = 1
-    while time > knots[k].time:
-        k += 1
-    return Knot(time, *_cubic(knots[k - 1], knots[k], time))
+    return Knot(time, *sampled(knots, (time,))[0])
 
 
 def sampled(knots: Sequence[Knot], times: Sequence[float]) -> list[XY]:
-    """Value and rate at times in order, as ``at`` has them."""
+    """Value and rate of the cubic through the knots at times in order; the value is held beyond the
+    last.
+    """
     out = []
-    k = 1
-    begin = knots[0].time
-    end = knots[-1].time
+    first, last = knots[0], knots[-1]
+    k = 0
+    begin = until = first.time
+    span = begin_value = begin_rate = square = cube = 0.0
     for time in times:
-        if time <= begin or time >= end:
-            out.append(at(knots, time)[1:])
+        if time <= first.time:
+            out.append((first.value, first.rate))
             continue
-        while time > knots[k].time:
-            k += 1
-        out.append(_cubic(knots[k - 1], knots[k], time))
+        if time >= last.time:
+            out.append((last.value, last.rate if time <= last.time + ROUNDING else 0.0))
+            continue
+        if time > until:  # on to the stretch it lies in
+            while time > knots[k].time:
+                k += 1
+            begin, begin_value, begin_rate = knots[k - 1]
+            until, end_value, end_rate = knots[k]
+            span = until - begin
+            slope = (end_value - begin_value) / span
+            square = 3.0 * slope - 2.0 * begin_rate - end_rate
+            cube = begin_rate + end_rate - 2.0 * slope
+        gone = time - begin
+        u = gone / span
+        value = begin_value + gone * (begin_rate + u * (square + u * cube))  # Hermite's form
+        out.append((value, begin_rate + u * (2.0 * square + 3.0 * u * cube)))
     return out
-
-
-def _cubic(a: Knot, b: Knot, time: float) -> XY:
-    """Value and rate of the cubic from one knot to the next (Hermite's form)."""
-    begin, begin_value, begin_rate = a
-    end, end_value, end_rate = b
-    span = end - begin
-    u = (time - begin) / span
-    slope = (end_value - begin_value) / span
-    square = 3.0 * slope - 2.0 * begin_rate - end_rate
-    cube = begin_rate + end_rate - 2.0 * slope
-    value = begin_value + (time - begin) * (begin_rate + u * (square + u * cube))
-    return value, begin_rate + u * (2.0 * square + 3.0 * u * cube)
 
 
 def largest_acceleration(knots: Sequence[Knot]) -> float:

@@ -30,7 +30,7 @@ from ..geometry.transforms import (
 )
 from ..protocols import Announced, Answer
 from ..robot.model import Machine
-from ..stability import polygon_margin
+from ..stability import least_polygon_margin, polygon_margin
 from ..terrain.map import TerrainMap
 from ..types import Gait, Phase, Point, Stance, StepPlan
 from .body_bounds import Bounds, bounds_of, room_ahead
@@ -362,7 +362,8 @@ class _Way:
         "across",
         "thrown",
         "rows",
-        "_bends",
+        "bends",
+        "_weights",
         "_least",
     )
 
@@ -382,12 +383,13 @@ class _Way:
         self.across = across
         self.table = table.with_times(self.times_within(table.times[-1]))
         self.rows = self.motions(self.table.times)
-        self._bends = [
+        self.bends = [
             _accelerations(*ends, after - before) if after > before else (0.0, 0.0)
             for ends, (before, after) in zip(
                 pairwise(self.rows), pairwise(self.table.times), strict=True
             )
         ]  # m/s², at both ends of every stretch of the table
+        self._weights: dict[int, XY] = {}  # the centre of gravity at knots asked for, m
         self._least: float | None = None  # of its margins, m, when they have been worked out
 
     @classmethod
@@ -433,11 +435,14 @@ class _Way:
         """
         ways = (sampled(way, times) for way in (self.progress, self.along, self.across))
         course = self.course
-        turning = course.sway.turning
+        sway = course.sway
+        turning = sway.turning
+        sx, sy = sway.side(0.0)
         out = []
         for (length, rate), (along, along_rate), (aside, aside_rate) in zip(*ways, strict=True):
             (x, y, z, yaw), (onward, left, climb, turn) = course.motion(length)
-            sx, sy = course.sway.side(length)
+            if turning != 0.0:
+                sx, sy = sway.side(length)
             ox = sx * aside + sy * along
             oy = sy * aside - sx * along
             spin = turning * rate  # the offsets turn with the course
@@ -480,19 +485,24 @@ class _Way:
         It is looked at where the cubics from one knot of the table to the next begin and end:
         between them it is less, and the body no nearer to an edge than at one of them.
         """
-        table = self.table
+        times = self.table.times
+        lift = self.table.lift
+        limit = bounds.acceleration
         most = [0.0, 0.0]
         start = self.thrown + SOONEST / 2
-        for k, ((a, b), bends) in enumerate(zip(pairwise(table.times), self._bends, strict=True)):
-            if b <= start or b - a < STILL:
+        for k, bends in enumerate(self.bends):
+            end = times[k + 1]
+            if end <= start or end - times[k] < STILL:
                 continue
-            lifted = k >= table.lift
-            for knot, acceleration in zip((k, k + 1), bends, strict=True):
-                share = acceleration / bounds.acceleration
-                if share > most[lifted] and share > 1.0:
+            lifted = k >= lift
+            for knot, acceleration in enumerate(bends, k):
+                share = acceleration / limit
+                if share <= most[lifted]:
+                    continue
+                if share > 1.0:
                     margin = self._margin_at(knot, lifted, machine)
-                    share = acceleration / bounds.brisk(margin)
-                most[lifted] = max(most[lifted], share)
+                    share = max(most[lifted], acceleration / bounds.brisk(margin))
+                most[lifted] = share
         return most[0], most[1]
 
     @property
@@ -515,19 +525,23 @@ class _Way:
 
     def _weight_at(self, knot: int, machine: Machine) -> XY:
         """Where the centre of gravity is at a knot of the table, absolute axes, m."""
-        body, _, lean, _ = self.rows[knot]
-        dx, dy = centre_over(machine, body, self.table.feet[knot], lean)
-        return body[0] + dx, body[1] + dy
+        weight = self._weights.get(knot)
+        if weight is None:
+            body, _, lean, _ = self.rows[knot]
+            dx, dy = centre_over(machine, body, self.table.feet[knot], lean)
+            self._weights[knot] = weight = (body[0] + dx, body[1] + dy)
+        return weight
 
     def foot_hurry(self, machine: Machine) -> float:
         """Speed of the fastest foot against the body, over its limit."""
-        table = zip(self.table.feet, self.table.foot_rates, self.rows, strict=True)
-        return max(_fastest_foot(*row, machine) for row in table)
+        return _fastest_foot(self.table, self.rows, machine)
 
     def beyond_reach(self) -> float:
         """How far the body is led beyond what the standing legs reach, m; not positive where it is
         within.
         """
+        if _is_well_within_reach(self):
+            return 0.0
         most = -math.inf
         table = self.table
         beyond = self.course.beyond
@@ -541,7 +555,7 @@ class _Way:
             farther = max(first, last)
             first = last
             most = max(most, farther)
-            if farther + max(self._bends[k]) * (b - a) ** 2 / 8.0 <= 0.0:
+            if farther + max(self.bends[k]) * (b - a) ** 2 / 8.0 <= 0.0:
                 continue
             inner = (_between(before, after, b - a, share) for share in BETWEEN)
             most = max(most, *(beyond(body, lifted, after.lean) for body in inner))
@@ -571,15 +585,28 @@ class _Way:
         if self._least is None:
             lift = self.table.lift
             course = self.course
-            least = math.inf
-            for knot in range(len(self.rows)) if course.after else range(lift + 1):
-                x, y = self._weight_at(knot, machine)
-                if knot <= lift:
-                    least = min(least, polygon_margin(course.before, x, y))
-                if course.after and knot >= lift:
-                    least = min(least, polygon_margin(course.after, x, y))
+            last = len(self.rows) - 1 if course.after else min(lift, len(self.rows) - 1)
+            weights = [self._weight_at(knot, machine) for knot in range(last + 1)]
+            least = least_polygon_margin(course.before, weights[: lift + 1])
+            if course.after:
+                least = min(least, least_polygon_margin(course.after, weights[lift:]))
             self._least = least
         return self._least
+
+
+def _is_well_within_reach(way: _Way) -> bool:
+    """True where a level body that does not turn is surely led to where all standing legs reach: at
+    every knot, and by as much as its cubics bend between them.
+    """
+    times, lift, course = way.table.times, way.table.lift, way.course
+    if course.leaning or course.turns:
+        return False
+    stretches = zip(pairwise(times), way.bends, strict=True)
+    spare = max([max(ends) * (b - a) ** 2 / 8.0 for (a, b), ends in stretches]) + STILL
+    bodies = [row.body for row in way.rows]
+    if lift and not course.keeps_within(bodies[: lift + 1], lifted=False, spare=spare):
+        return False
+    return lift >= len(bodies) - 1 or course.keeps_within(bodies[lift:], lifted=True, spare=spare)
 
 
 def _meetings(way: _Way) -> int:
@@ -637,38 +664,56 @@ def _missing(course: Course, sway: XY, margin: float) -> float:
     return missing
 
 
-def _fastest_foot(
+def _fastest_foot(table: _Table, rows: Sequence[Motion], machine: Machine) -> float:
+    """Speed of the fastest foot of a table, seen from a body that moves so, over its limit."""
+    limit_x, limit_y, limit_z = machine.speed
+    most = 0.0
+    faces: float | None = None
+    c = s = 0.0
+    for feet, rates, motion in zip(table.feet, table.foot_rates, rows, strict=True):
+        (_, _, _, yaw), (vx, vy, vz, turn), lean, leaning = motion
+        if turn != 0.0 or lean != LEVEL or leaning != LEVEL:
+            most = max(most, _fastest_from_turning(feet, rates, motion, machine))
+            continue
+        if yaw != faces:
+            faces = yaw
+            c, s = direction(yaw)
+        for ux, uy, uz in {*rates}:  # all that stand are equally fast
+            wx = ux - vx
+            wy = uy - vy
+            ahead = abs(c * wx + s * wy) / limit_x
+            aside = abs(c * wy - s * wx) / limit_y
+            up = abs(uz - vz) / limit_z
+            if ahead > most:
+                most = ahead
+            if aside > most:
+                most = aside
+            if up > most:
+                most = up
+    return most
+
+
+def _fastest_from_turning(
     feet: Sequence[Point], rates: Sequence[Point], motion: Motion, machine: Machine
 ) -> float:
-    """Speed of the fastest of feet with these velocities, seen from a body in motion, over its
-    limit.
-    """
+    """The same of feet with these velocities, seen from a body that turns or leans."""
     (x, y, _, yaw), (vx, vy, vz, turn), lean, leaning = motion
     c, s = direction(yaw)
     leans = lean != LEVEL or leaning != LEVEL
-    limit_x, limit_y, limit_z = machine.speed
     most = 0.0
-    before: Point | None = None
     for foot, rate in zip(feet, rates, strict=True):
-        if rate == before and turn == 0.0 and not leans:
-            continue  # as fast as the foot before it
-        before = rate
         wx = rate[0] - vx + turn * (foot[1] - y)
         wy = rate[1] - vy - turn * (foot[0] - x)
-        wz = rate[2] - vz
-        velocity = c * wx + s * wy, c * wy - s * wx, wz
+        velocity = c * wx + s * wy, c * wy - s * wx, rate[2] - vz
         if leans:
             velocity = _seen_leaning(motion, foot, velocity)
-        ahead = abs(velocity[0]) / limit_x
-        aside = abs(velocity[1]) / limit_y
-        up = abs(velocity[2]) / limit_z
-        if ahead > most:
-            most = ahead
-        if aside > most:
-            most = aside
-        if up > most:
-            most = up
+        most = max(most, *map(_share, velocity, machine.speed))
     return most
+
+
+def _share(speed: float, limit: float) -> float:
+    """Of a limit, that a speed makes up."""
+    return abs(speed) / limit
 
 
 def _seen_leaning(motion: Motion, foot: Point, velocity: Point) -> Point:

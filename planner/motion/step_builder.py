@@ -215,6 +215,14 @@ def changed(
     )
 
 
+def feet_of(plan: StepPlan) -> list[list[Point]]:
+    """Every foot at every knot of a plan, as plain floats."""
+    flat = plan.feet.ravel().tolist()
+    feet = list(zip(flat[0::3], flat[1::3], flat[2::3], strict=True))
+    legs = plan.feet.shape[1]
+    return [feet[k : k + legs] for k in range(0, len(feet), legs)]
+
+
 def as_table(rows: Sequence[Sequence[float]]) -> Array:
     """Rows of equal length as an array: a third of the time that ``np.array`` takes."""
     wide = len(rows[0])

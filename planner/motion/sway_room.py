@@ -161,6 +161,26 @@ class SwayRoom:
             )
         return most
 
+    def keeps_within(self, bodies: Sequence[Body], feet: StandingFeet, spare: float) -> bool:
+        """True when every foot that stands is within its leg's mechanical reach, by at least
+        ``spare``, m, with a level body at any of some places, where it faces one way.
+        """
+        over_x, over_y, _ = self._machine.overreach
+        c, s = direction(bodies[0][3])
+        ahead = [c * x + s * y for x, y, _, _ in bodies]
+        aside = [c * y - s * x for x, y, _, _ in bodies]
+        back, front = min(ahead) + over_x - spare, max(ahead) - over_x + spare
+        right, left = min(aside) + over_y - spare, max(aside) - over_y + spare
+        for (x_low, x_high, y_low, y_high), foot in zip(self._machine.boxes, feet, strict=True):
+            if foot is None:
+                continue
+            x = c * foot[0] + s * foot[1]
+            y = c * foot[1] - s * foot[0]
+            # seen from the hindmost place it is farthest ahead, from the foremost farthest behind
+            if not (front + x_low <= x <= back + x_high and left + y_low <= y <= right + y_high):
+                return False
+        return True
+
 
 def shift_is_barred(terrain: TerrainMap, machine: Machine, stance: Stance, place: XY) -> bool:
     """True when the torso, or a leg that stands, meets ground as the body goes straight to a place

@@ -23,7 +23,7 @@ from ..robot.model import Machine
 from ..terrain.map import TerrainMap
 from ..types import Array, Phase, Point, StepPlan
 from .body_tilt import speed_leaning
-from .step_builder import changed
+from .step_builder import changed, feet_of
 from .swing import between
 
 TOUCH_SPEED = 0.13  # m/s at which a foot meets known ground; more: see it take twice its load
@@ -71,15 +71,15 @@ class Ramp(NamedTuple):
 class Ramps:
     """Ramps one after the other."""
 
-    __slots__ = ("ramps", "seconds", "way", "_begin")
+    __slots__ = ("ramps", "seconds", "way", "_laid")
 
     def __init__(self, ramps: Iterable[Ramp]) -> None:
         self.ramps = tuple(ramp for ramp in ramps if ramp.seconds > 0.0)
-        self._begin: list[tuple[float, float]] = []  # of every ramp: s, and m gone before it
+        self._laid: list[tuple[float, float, Ramp]] = []  # s, and m gone before every ramp
         seconds = 0.0
         way = 0.0
         for ramp in self.ramps:
-            self._begin.append((seconds, way))
+            self._laid.append((seconds, way, ramp))
             seconds += ramp.seconds
             way += ramp.way
         self.seconds = seconds
@@ -87,9 +87,9 @@ class Ramps:
 
     def at(self, t: float) -> tuple[float, float]:
         """Way and speed at a time."""
-        for (begin, done), ramp in zip(self._begin, self.ramps, strict=True):
+        for begin, done, ramp in self._laid:
             gone = t - begin
-            if gone <= ramp.seconds:
+            if gone <= ramp[0]:
                 way, speed = ramp.at(gone)
                 return done + way, speed
         return self.way, self.ramps[-1].last if self.ramps else 0.0
@@ -98,10 +98,10 @@ class Ramps:
         """Times of its ends and of the middles of its ramps, after the first: between them way is
         a cubic of time.
         """
-        for (begin, _), ramp in zip(self._begin, self.ramps, strict=True):
-            if ramp.first != ramp.last:
-                yield begin + ramp.seconds / 2.0
-            yield begin + ramp.seconds
+        for begin, _, (seconds, first, last) in self._laid:
+            if first != last:
+                yield begin + seconds / 2.0
+            yield begin + seconds
 
 
 def rest_to_rest(way: float, seconds: float) -> Ramps:
@@ -169,7 +169,7 @@ def smooth_swing(plan: StepPlan, machine: Machine, known: Collection[int]) -> Sw
 def as_planned(plan: StepPlan) -> SwingTable:
     """The knots of a step as they are, feet at their mean speed between them."""
     times: list[float] = plan.times.tolist()
-    feet = [[(f[0], f[1], f[2]) for f in row] for row in plan.feet.tolist()]
+    feet = feet_of(plan)
     rates = [[(0.0, 0.0, 0.0)] * len(feet[0])]
     for k in range(1, len(times)):
         seconds = max(times[k] - times[k - 1], STAYS)
@@ -273,7 +273,7 @@ class _Smoothing:
 
     def __init__(self, plan: StepPlan, machine: Machine, known: Collection[int]) -> None:
         self.times: list[float] = plan.times.tolist()
-        self.feet = [[(x, y, z) for x, y, z in row] for row in plan.feet.tolist()]
+        self.feet = feet_of(plan)
         self.swing = [leg for leg in plan.swing if leg not in plan.end.lifted]
         ways = zip(*self.feet, strict=True)
         moving = {leg for leg, way in enumerate(ways) if way.count(way[0]) < len(way)}
@@ -416,27 +416,28 @@ class _Way:
         self.path = path
         self.profile = profile
         self._marks = [0.0]
-        for a, b in zip(path, path[1:], strict=False):
-            self._marks.append(self._marks[-1] + math.dist(a, b))
+        self._lines: list[tuple[float, Point, Point]] = []  # length, beginning, way to the end
+        for a, b in pairwise(path):
+            mark = self._marks[-1] + math.dist(a, b)
+            (x, y, z), (ex, ey, ez) = a, b
+            self._lines.append((mark - self._marks[-1], a, (ex - x, ey - y, ez - z)))
+            self._marks.append(mark)
 
     def at(self, t: float) -> tuple[Point, Point]:
         """Place and velocity at a time."""
-        if len(self.path) < 2:
+        lines = self._lines
+        if not lines:
             return self.path[0], REST
         way, speed = self.profile.at(t)
         if way >= self._marks[-1]:
             return self.path[-1], REST
-        k = min(max(bisect_right(self._marks, way) - 1, 0), len(self.path) - 2)
-        a, b = self.path[k], self.path[k + 1]
-        length = self._marks[k + 1] - self._marks[k]
+        k = 0
+        if len(lines) > 1:
+            k = min(max(bisect_right(self._marks, way) - 1, 0), len(lines) - 1)
+        length, (x, y, z), (dx, dy, dz) = lines[k]
         share = min((way - self._marks[k]) / length, 1.0)
-        (x, y, z), (ex, ey, ez) = a, b
-        place = x + share * (ex - x), y + share * (ey - y), z + share * (ez - z)
-        return place, (
-            speed * (ex - x) / length,
-            speed * (ey - y) / length,
-            speed * (ez - z) / length,
-        )
+        place = x + share * dx, y + share * dy, z + share * dz
+        return place, (speed * dx / length, speed * dy / length, speed * dz / length)
 
 
 def _runs(phases: Sequence[Phase]) -> Iterator[_Run]:

@@ -170,6 +170,8 @@ def is_plain(region: Region, stance: Stance, terrain: TerrainMap) -> bool:
     r0, r1 = (math.floor((v - terrain.origin[1]) / terrain.cell) for v in (low_y, high_y))
     if c0 < 0 or r0 < 0 or c1 >= terrain.columns or r1 >= terrain.rows:
         return False
+    if terrain.is_plain:
+        return True
     cut = (slice(r0, r1 + 1), slice(c0, c1 + 1))
     if terrain.forbidden[cut].any() or (terrain.known is not None and not terrain.known[cut].all()):
         return False

@@ -161,7 +161,7 @@ class LocalPlanner:
         command: Command,
         terrain: TerrainMap,
     ) -> PlanningJob:
-        if self._commanded is not None:
+        if self._commanded is not None and self._commanded.speed != command.speed:
             command = replace(command, speed=self._commanded.speed)
         refused = self._led_nowhere(stance, machine)
         first: tuple[RouteState, StepPlan | Blocked] | None = None

@@ -93,10 +93,7 @@ class TerrainMap(HeightGrid):
             raise ValueError(f"heights must be (ny, nx), finite or NaN, got shape {ground.shape}")
         if not 0.0 < cell < math.inf:
             raise ValueError(f"cell must be the side of a cell in metres, got {cell!r}")
-        if forbidden is None:
-            closed = classify(ground, cell, machine)
-        else:
-            closed = np.array(forbidden, dtype=np.bool_)
+        closed = classify(ground, cell, machine) if forbidden is None else np.array(forbidden, bool)
         x, y = origin
         return cls(ground, closed, float(cell), (float(x), float(y)), machine.foot_radius)
 
@@ -149,8 +146,13 @@ class TerrainMap(HeightGrid):
     @cached_property
     def is_level(self) -> bool:
         """True when all ground there is has one height: nothing to clear, nothing to climb."""
-        low, high = self._span
-        return low >= high
+        return self._span[0] >= self._span[1]
+
+    @cached_property
+    def is_plain(self) -> bool:
+        """True when all of it is known and level ground, on which feet may land anywhere."""
+        level = self.is_level and not (self.holes_bytes or self.forbidden.any())
+        return level and (self.known is None or bool(self.known.all()))
 
     @cached_property
     def crests(self) -> NDArray[np.float64]:
@@ -179,7 +181,7 @@ class TerrainMap(HeightGrid):
         r0, r1 = (math.floor((y - oy) / self.cell) for y in (y_min, y_max))
         if c0 < 0 or r0 < 0 or c1 >= self.columns or r1 >= self.rows:
             return False
-        return not self.forbidden[r0 : r1 + 1, c0 : c1 + 1].any()
+        return self.is_plain or not self.forbidden[r0 : r1 + 1, c0 : c1 + 1].any()
 
     def crest_between(self, ax: float, ay: float, bx: float, by: float) -> float:
         """Highest ground a foot passes on the straight way from a to b, m; −inf over none."""

@@ -8,6 +8,7 @@ import pytest
 from walking_console.planner.geometry.paths import ArcPath
 from walking_console.planner.stability import (
     energy_margin,
+    least_polygon_margin,
     longitudinal_margin,
     polygon_margin,
     polygon_margin_on,
@@ -94,3 +95,14 @@ def test_the_least_margin_on_a_stretch_of_path_is_that_of_its_worst_place():
     half_round = ArcPath(1.0, 0.0, math.pi / 0.8)
     middle = 0.8 / math.pi  # its radius: half a turn in 0.8 m ends two of them to the left
     assert polygon_margin_on(half_round, square, 0.0, 0.8) == pytest.approx(0.5 - 2 * middle)
+
+
+def test_the_least_margin_of_places_is_that_of_the_nearest_to_an_edge_or_farthest_outside():
+    rng = np.random.default_rng(11)
+    polygon = support_polygon(rng.uniform(-0.5, 0.5, (5, 2)).tolist())
+    for reach in (0.1, 0.6):
+        places = [(float(x), float(y)) for x, y in rng.uniform(-reach, reach, (20, 2))]
+        margins = [polygon_margin(polygon, *place) for place in places]
+        assert least_polygon_margin(polygon, places) == min(margins)
+    assert least_polygon_margin((), [(0.0, 0.0)]) == -math.inf
+    assert least_polygon_margin(polygon, []) == math.inf

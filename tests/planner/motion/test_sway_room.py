@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
+from walking_console.planner.geometry.transforms import turned
 from walking_console.planner.motion.body_path import OFFSET_MAX
 from walking_console.planner.motion.sway_room import LOOK, SwayRoom, shift_is_barred
 from walking_console.planner.robot.collision import leg_in_the_way
 from walking_console.planner.robot.model import load_machine
 from walking_console.planner.terrain.map import TerrainMap
-from walking_console.planner.types import Stance
+from walking_console.planner.types import Point, Stance
 
 TITAN = load_machine("titan3")
 CELL, LOW = 0.0125, -3.0
@@ -35,6 +36,12 @@ def moved(y: float) -> tuple[float, float, float, float]:
     return BODY[0], y, BODY[2], BODY[3]
 
 
+def seen_from(yaw: float, foot: Point) -> Point:
+    """A foot of a body that faces another way."""
+    x, y = turned(foot[0], foot[1], yaw)
+    return x, y, foot[2]
+
+
 def test_on_open_ground_only_reach_bounds_the_sway():
     open_ground = with_block(2.0, 2.5, 2.0, 2.5)
     assert SwayRoom.about(STANCE, TITAN, None).offsets(BODY, LEFT, FEET) == pytest.approx(
@@ -48,6 +55,20 @@ def test_a_foot_beyond_its_reach_leads_the_body_nowhere_but_may_be_neared():
         feet = ((0.45, far, 0.0), (-0.45, 0.45, 0.0), *FEET[2:])
         assert room.beyond(BODY, feet) > 0.0  # too far out for its leg, or too far in
         assert room.offsets(BODY, LEFT, feet) == (low, high)
+
+
+def test_a_body_keeps_within_reach_of_places_at_all_of_which_no_foot_is_farther():
+    room = SwayRoom(TITAN)
+    rng = np.random.default_rng(3)
+    kept = []
+    for yaw in rng.uniform(-3.0, 3.0, 200):
+        x, y, width = rng.uniform(-0.25, 0.25, 3)
+        places = [(float(x + k * width), float(y), BODY[2], float(yaw)) for k in range(4)]
+        feet = [seen_from(yaw, foot) for foot in FEET]
+        farthest = max(room.beyond(place, feet) for place in places)
+        kept.append(room.keeps_within(places, feet, 0.01))
+        assert kept[-1] is (farthest <= -0.01)
+    assert 0 < sum(kept) < len(kept)
 
 
 def test_beside_a_wall_it_sways_no_farther_than_a_standing_leg_has_room_and_away_as_ever():

@@ -127,6 +127,18 @@ def test_the_highest_ground_of_a_map_is_found_whether_it_has_holes_or_nothing_el
     assert two.highest == -0.4 and not two.is_level
 
 
+def test_a_map_is_plain_when_all_of_it_is_known_level_ground_to_step_on():
+    level, free = np.zeros((4, 5)), np.zeros((4, 5), dtype=bool)
+    one = free.copy()
+    one[2, 3] = True
+    assert TerrainMap(level, free, 0.05, (0.0, 0.0)).is_plain
+    assert TerrainMap(level, free, 0.05, (0.0, 0.0), known=~free).is_plain
+    assert not TerrainMap(level, free, 0.05, (0.0, 0.0), known=~one).is_plain
+    assert not TerrainMap(level, one, 0.05, (0.0, 0.0)).is_plain
+    for other in (0.01, math.nan):
+        assert not TerrainMap(np.where(one, other, level), free, 0.05, (0.0, 0.0)).is_plain
+
+
 def test_a_map_of_measured_heights_closes_what_this_machine_cannot_step_on():
     heights = np.zeros((40, 60))
     heights[10:20, 10:20] = np.nan
