@@ -31,8 +31,12 @@ def start_child(
     folder: Path,
     output: IO[bytes] | int = subprocess.DEVNULL,
     errors: IO[bytes] | int = subprocess.DEVNULL,
+    *,
+    in_background: bool = True,
 ) -> subprocess.Popen[bytes]:
-    """Begin ``walking-console ARGUMENTS`` in ``folder``; paths in the arguments are absolute."""
+    """Begin ``walking-console ARGUMENTS`` in ``folder``, after the walk on the screen unless it is
+    not to be ``in_background``; paths in the arguments are absolute.
+    """
     child = subprocess.Popen(
         [*COMMAND, *arguments],
         cwd=folder,
@@ -43,7 +47,8 @@ def start_child(
         start_new_session=True,
     )
     try:
-        os.setpriority(os.PRIO_PROCESS, child.pid, CHILD_NICENESS)
+        if in_background:
+            os.setpriority(os.PRIO_PROCESS, child.pid, CHILD_NICENESS)
     except (OSError, AttributeError):
         pass  # it has ended already, or this system has no such call
     return child

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import json
 import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from statistics import median
 from typing import Any
 
@@ -21,21 +21,23 @@ from websockets.sync.connection import Connection
 
 from walking_console.planner.types import TICK
 
+from .child_process import start_child
+
 PRESSES = 100
 SPEED = 0.1  # m/s
 RESTS = 0.3  # s before a press
-LATER = (
-    0.37 * TICK
-)  # s that each press falls later in a tick than the one before: all of it is tried
+# s by which each press falls later in a tick than the one before, so that all of a tick is tried
+LATER = 0.37 * TICK
 PATIENCE = 10.0  # s
 ENDS_WITHIN = 5.0  # s
+SERVE = ("--no-open", "--host", "127.0.0.1", "--port", "0", "--scenario", "flat", "--data")
 
 Frame = dict[str, Any]
 
 
-def figures(presses: int = PRESSES) -> dict[str, Frame]:
+def figures() -> dict[str, Frame]:
     """Figures for ``bench``: name → {value, unit, target}."""
-    waits = sorted(stick_to_motion(presses))
+    waits = sorted(stick_to_motion(PRESSES))
     last = waits[int(0.99 * (len(waits) - 1))]
     return {
         "stick to motion seen, median": _figure(median(waits), "<= 14"),
@@ -49,8 +51,7 @@ def _figure(seconds: float, target: str) -> Frame:
 
 def stick_to_motion(presses: int) -> list[float]:
     """s from each push of the stick, let go between, to the first picture of a body that has moved.
-    Raises ``TimeoutError`` for a server that does
-    not answer.
+    Raises ``TimeoutError`` for a server that does not answer.
     """
     with served() as url:
         address = url.replace("http", "ws", 1) + "/drive"
@@ -62,23 +63,19 @@ def stick_to_motion(presses: int) -> list[float]:
 @contextmanager
 def served() -> Iterator[str]:
     """The address of a console on level ground, in a process and data folder of its own."""
-    with tempfile.TemporaryDirectory() as folder:
-        words = [sys.executable, "-m", "walking_console", "--no-open", "--port", "0"]
-        with subprocess.Popen(
-            [*words, "--scenario", "flat", "--data", folder],
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            encoding="utf-8",
-        ) as process:
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        start_child([*SERVE, folder], Path(folder), subprocess.PIPE, in_background=False) as child,
+    ):
+        try:
+            assert child.stdout is not None
+            yield child.stdout.readline().decode().strip()
+        finally:
+            child.terminate()
             try:
-                assert process.stdout is not None
-                yield process.stdout.readline().strip()
-            finally:
-                process.terminate()
-                try:
-                    process.wait(ENDS_WITHIN)
-                except subprocess.TimeoutExpired:
-                    process.kill()
+                child.wait(ENDS_WITHIN)
+            except subprocess.TimeoutExpired:
+                child.kill()
 
 
 class _Hand:

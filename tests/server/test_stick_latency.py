@@ -9,6 +9,12 @@ def test_every_push_is_timed_until_the_body_has_moved() -> None:
     assert all(0.0 < wait < stick_latency.PATIENCE for wait in waits)
 
 
+def test_a_secret_and_a_host_meant_for_another_console_are_not_this_ones(monkeypatch) -> None:
+    monkeypatch.setenv("WALKING_CONSOLE_TOKEN", "of-a-console-on-the-network")
+    monkeypatch.setenv("WALKING_CONSOLE_HOST", "0.0.0.0")
+    assert len(stick_latency.stick_to_motion(1)) == 1
+
+
 def test_the_figures_are_of_all_pushes(monkeypatch) -> None:
     waits = [0.03, *(0.001 * k for k in range(99))]
     monkeypatch.setattr(stick_latency, "stick_to_motion", lambda presses: waits)
