@@ -181,11 +181,8 @@ def polygon_margin_on(path: ArcPath, polygon: Polygon, begin: float, end: float)
     """Least polygon margin of the CoG between two s of a path, m, looked at both and ``LOOKS``
     times in between.
     """
-    least = math.inf
-    for k in range(LOOKS + 2):
-        x, y, _ = path.pose(begin + k / (LOOKS + 1) * (end - begin))
-        least = min(least, polygon_margin(polygon, x, y))
-    return least
+    poses = [path.pose(begin + k / (LOOKS + 1) * (end - begin)) for k in range(LOOKS + 2)]
+    return least_polygon_margin(polygon, [(x, y) for x, y, _ in poses])
 
 
 def capture_margin(

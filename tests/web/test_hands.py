@@ -31,6 +31,22 @@ STAND = """
 const now = () => performance.now();
 const stand = (ms) => { const end = now() + ms; while (now() < end); };
 """
+# ms from what the last draw but one of so many answers to the last
+DRAWS = (
+    STAND
+    + """
+const draws = (count, work) => new Promise(done => {
+  let runs = 0;
+  let since = 0;
+  const draw = () => {
+    if (++runs === count) return done(now() - since);
+    requestAnimationFrame(draw);
+    since = work();
+  };
+  requestAnimationFrame(draw);
+});
+"""
+)
 
 
 @pytest.fixture
@@ -109,39 +125,17 @@ def test_a_fresh_press_on_a_page_that_just_stood_still_waits_for_it_to_be_calm(
 
 
 def test_the_scene_leaves_the_page_as_much_time_as_its_drawing_takes(page: Page) -> None:
-    waited = page.frames[1].evaluate(
-        STAND
-        + """
-        new Promise(done => {
-          let runs = 0;
-          let ended = 0;
-          const draw = () => {
-            if (++runs === 3) return done(now() - ended);
-            requestAnimationFrame(draw);
-            stand(150);
-            ended = now();
-          };
-          requestAnimationFrame(draw);
-        })"""
-    )
+    waited = page.frames[1].evaluate(DRAWS + "draws(3, () => { stand(150); return now(); })")
     assert waited > 140.0
 
 
 def test_what_draws_is_paced_by_all_that_its_picture_takes(page: Page) -> None:
     waited = page.frames[1].evaluate(
-        STAND
+        DRAWS
         + """
-        new Promise(done => {
-          let runs = 0;
-          let asked = 0;
-          const rest = () => stand(150); // of the same picture
-          const draw = () => {
-            if (++runs === 4) return done(now() - asked);
-            asked = now();
-            requestAnimationFrame(draw);
-            requestAnimationFrame(rest);
-          };
-          requestAnimationFrame(draw);
+        draws(4, () => {
+          requestAnimationFrame(() => stand(150)); // of the same picture
+          return now();
         })"""
     )
     assert waited > 290.0  # as long as that, and once more
